@@ -1,4 +1,4 @@
-/* acquire.h: the parts of palpate acquire: what is to be run, the recording on disk, the session. */
+/* acquire.h: the parts of palpate acquire: the plan of runs, the recording on disk, the session. */
 #ifndef PALPATE_ACQUIRE_H
 #define PALPATE_ACQUIRE_H
 
@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* The device withdraws at least so fast, and goes to contact so fast for a force; mm/s. */
+/* The device's least speed on the way back, and its speed to contact for a force; mm/s. */
 enum { ACQUIRE_BACK_MM_S = 5, ACQUIRE_SEEK_MM_S = 1 };
 
 enum { ACQUIRE_RUNS = 128, ACQUIRE_NAME = 96, ACQUIRE_TEXT = 512 };
@@ -57,10 +57,10 @@ typedef struct acquire_motion {
 /* One experiment. Depths count from contact. */
 typedef struct acquire_run {
     acquire_kind kind;
-    acquire_motion motion;                   /* as it will be done; what the kind does not have is NAN */
-    char name[ACQUIRE_NAME];                 /* of the file, without .csv */
-    bool repeat;                             /* of the first */
-    bool smooth;                             /* ramps without a jump of the acceleration */
+    acquire_motion motion;   /* as it will be done; NAN for figures that the kind does not have */
+    char name[ACQUIRE_NAME]; /* of the file, without .csv */
+    bool repeat;             /* of the first */
+    bool smooth;             /* ramps without a jump of the acceleration */
     double start_mm, highest_mm, deepest_mm; /* where the plate waits, and comes to */
     double at_mm, press_s;                   /* where the segments end, and how long they take */
     size_t n_segments;
@@ -77,12 +77,13 @@ typedef struct acquire_plan {
 
 acquire_motion acquire_motion_none(void);
 
-/* Takes what is not given from the next source; of rate and ramp time only where neither is given. */
+/* Fills figures that are not given from the next source; rate or ramp time only where neither is given. */
 void acquire_motion_inherit(acquire_kind kind, acquire_motion *motion, const acquire_motion *from);
 const char *acquire_kind_name(acquire_kind kind); /* "ramp_hold" */
 
-/* Appends a run with its segments, what is not given filled in; the caller adds those of ACQUIRE_SEGMENTS.
- * name: of the file, NULL = made of kind and depth. NULL: nothing is added, why says what is wrong. */
+/* Appends a run with its segments, and fills in what is not given. The caller adds the segments of
+ * ACQUIRE_SEGMENTS. name: of the file; NULL: made of kind and depth. Returns NULL where nothing is added; why
+ * has the reason. */
 acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acquire_motion *motion,
                               const char *name, char why[ACQUIRE_TEXT]);
 
@@ -93,8 +94,8 @@ bool acquire_plan_seed(acquire_plan *plan, const acquire_motion *defaults, char 
 /* Reads a protocol file; options come before what it says for all its runs. An exit code. (acquire_read.c) */
 int acquire_plan_read(acquire_plan *plan, const char *file, const acquire_motion *options);
 
-/* Shuffles the presses by the plan's seed (air keeps its place), repeats the first of them after the last,
- * makes the names different and fills in the rests. False: no room for the repeated one. */
+/* Shuffles the presses by the plan's seed, while runs in the air keep their place. Repeats the first press
+ * after the last, makes the names different and fills in the rests. False: no room for the repeated press. */
 bool acquire_plan_arrange(acquire_plan *plan);
 
 /* Appends a segment from where the last one ended (acquire_segments.c); false: there is no room. target:
@@ -105,8 +106,8 @@ bool acquire_segment_add(acquire_run *run, uint8_t kind, double target_mm, const
 void acquire_segments_make(acquire_run *run);
 double acquire_run_length_s(const acquire_run *run); /* of the recording, the way back included */
 
-/* What is known of the plan before anything moves (acquire_path.c): the runs as lines of a table; as JSON
- * also the path of each, points of time and depth, and of time and force where that is what is asked for. */
+/* The plan before anything moves (acquire_path.c): the runs as lines of a table, or as JSON with the path of
+ * each. A path is points of time and depth, and of time and force where a force is asked for. */
 void acquire_plan_print(const acquire_plan *plan, FILE *to);
 json_t *acquire_plan_json(const acquire_plan *plan);
 
@@ -139,7 +140,7 @@ typedef struct acquire_scale {
     double tick_s, count_mm;
     int32_t contact; /* counts at depth 0 */
     double row_N[PALP_WIRE_CHANNELS], tare[PALP_WIRE_CHANNELS];
-    double contact_N; /* this much over the force in the air is contact */
+    double contact_N; /* force over that in the air that counts as contact */
     double matrix[PALP_WIRE_CHANNELS]
                  [PALP_WIRE_CHANNELS]; /* of all axes, where ACQUIRE_FORCES asks for them */
 } acquire_scale;
@@ -150,9 +151,9 @@ typedef struct acquire_sample {
 
 double acquire_force_N(const acquire_scale *scale, const int16_t adc[PALP_WIRE_CHANNELS]);
 
-/* What a recording shows of itself. */
+/* Figures of a recording. */
 typedef struct acquire_figures {
-    size_t samples, lost, bad; /* bad: the sensor gave no reading; left out as the lost ones are */
+    size_t samples, lost, bad; /* bad: the sensor gave no reading; left out like lost samples */
     double peak_N, deepest_mm, duration_s;
     double error_square, error_most_mm; /* reference minus position, on the way */
     size_t errors;
@@ -180,7 +181,7 @@ typedef struct acquire_file {
     double start_s;      /* of this recording since then */
     acquire_sample last; /* the newest sample */
     off_t at;            /* bytes written */
-    int error;           /* errno of what could not be written; nothing is written from then on */
+    int error;           /* errno of a failed write, after which nothing more is written */
     double written_s;    /* wall clock */
     size_t n;
     char text[ACQUIRE_BUFFER];
@@ -193,11 +194,11 @@ int acquire_file_open(acquire_file *file, const char *path, bool force, unsigned
                       const acquire_scale *scale, uint32_t now_tick, json_t *header);
 /* Takes the samples that are part of the recording; returns how many. */
 size_t acquire_file_add(acquire_file *file, const palp_wire_samples *block);
-void acquire_file_keep(acquire_file *file); /* writes what has waited for half a second */
-/* fault: why it ended before its time, or NULL; winding_C: NAN = not known. An exit code. */
+void acquire_file_keep(acquire_file *file); /* writes rows that have waited for half a second */
+/* fault: why the run ended early, or NULL; winding_C: NAN = not known. Returns an exit code. */
 int acquire_file_close(acquire_file *file, const char *fault, double winding_C);
 void acquire_file_remove(acquire_file *file); /* instead of close: nothing came */
-/* More than one sample in a hundred is not in it: what it shows is not what happened. */
+/* True where more than one sample in a hundred is missing: such a recording does not show what happened. */
 bool acquire_file_lossy(const acquire_figures *figures);
 
 /* ---- what is shown meanwhile (acquire_live.c) ---- */
@@ -248,8 +249,8 @@ typedef struct acquire_options {
  * done, the caller's. */
 int acquire_session(const acquire_options *options, const acquire_plan *plan, json_t **summary);
 
-/* Shows what the device senses, ten times a second of its clock, until Ctrl-C: one line that changes on a
- * terminal, else rows of CSV on stdout. Moves nothing (acquire_monitor.c). An exit code. */
+/* Shows the device's readings ten times a second of its clock, until Ctrl-C: one changing line on a terminal,
+ * otherwise rows of CSV on stdout. Moves nothing (acquire_monitor.c). Returns an exit code. */
 int acquire_monitor(const acquire_options *options);
 
 #endif

@@ -9,19 +9,19 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The end of the run and its start in the session stand second in the file, in lines of one width that are
- * written over when they are known: a host that dies leaves "interrupted" there, and the start as it was
- * expected. No row crosses the end of a page, where a write that is cut short may stop; blanks before the
- * line's end fill what is left. */
+/* The second lines of the file hold the run's end and its start in the session. They have a fixed width and
+ * are overwritten once both are known. A host that dies so leaves "interrupted" there, and the expected
+ * start. No row crosses the end of a page, where an incomplete write may stop; blanks before the line's end
+ * fill the page. */
 enum { PAGE = 4096, ROW_MAX = 256, END_WIDTH = 48 };
 
 static const char NAME[] = "acquire";
 static const char VERSION[] = "# palpate.experiment: 1\n";
-static const double KEEP_S = 0.5; /* rows wait no longer than this */
+static const double KEEP_S = 0.5; /* rows are written after at most this time */
 
 /* ---- writing ---- */
 
-/* Bytes up to the last line's end of what did get there. */
+/* Bytes of whole lines among those that were written. */
 static size_t whole_lines(const char *text, size_t n) {
     while (n > 0 && text[n - 1] != '\n')
         n--;
@@ -35,7 +35,7 @@ static size_t count_lines(const char *text, size_t n) {
     return lines;
 }
 
-/* Everything that waits; on failure the file is cut back to whole lines and takes nothing more. */
+/* Writes everything that waits. On failure the file is cut back to whole lines and closed to more. */
 static void flush(acquire_file *f) {
     size_t done = 0;
     while (done < f->n && !f->error) {
@@ -49,7 +49,7 @@ static void flush(acquire_file *f) {
                 done = 0; /* nothing more can be done for it */
             size_t rows = count_lines(f->text + done, f->n - done);
             f->figures.samples -=
-                rows < f->figures.samples ? rows : f->figures.samples; /* they are not there */
+                rows < f->figures.samples ? rows : f->figures.samples; /* the rows are not in the file */
         }
     }
     f->at += (off_t)done;
@@ -215,8 +215,8 @@ static acquire_sample make_sample(const acquire_file *f, const palp_wire_samples
     return x;
 }
 
-/* Contact by this recording: where the force, as a running mean, comes over that in the air. The depth is the
- * same mean, so that both lag alike. */
+/* Contact in this recording: where the running mean of the force rises above that in the air. The depth is
+ * averaged alike, so that both lag alike. */
 static void seek_contact(acquire_file *f, const acquire_sample *x, bool moving) {
     const double share = 1.0 / 16;
     acquire_figures *g = &f->figures;
@@ -279,8 +279,7 @@ static void start_clock(acquire_file *f, uint32_t tick) {
     f->start_s = f->scale.tick_s * (tick - f->session_tick);
 }
 
-/* A sample before or after those of the recording: what is missing next to it may have been of the recording.
- */
+/* A sample outside the recording: samples missing next to it may belong to the recording. */
 static void take_other(acquire_file *f, uint32_t tick, uint32_t step) {
     if (!f->started) {
         f->waits = true;
@@ -291,7 +290,7 @@ static void take_other(acquire_file *f, uint32_t tick, uint32_t step) {
     }
 }
 
-/* Takes sample i of a block; false: it is none of the recording's. */
+/* Takes sample i of a block; false: it does not belong to the recording. */
 static bool take(acquire_file *f, const palp_wire_samples *b, size_t i) {
     const uint32_t tick = b->tick + (uint32_t)i, step = tick - (f->started ? f->last_tick : f->before_tick);
     if (!(b->flags[i] & PALP_WIRE_FLAG_RECORD)) {

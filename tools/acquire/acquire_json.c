@@ -49,7 +49,7 @@ static const char *value_end(const char *p) {
     return value ? p + where.position : p + strlen(p);
 }
 
-/* The key, or the item, of what stands at p; p itself where it is not there. */
+/* The key or the item within the value at p; p itself where there is none. */
 static const char *member(const char *p, const char *key, size_t length) {
     if (*p != '{')
         return p;

@@ -1,4 +1,5 @@
-/* acquire_live.c: what palpate acquire shows meanwhile: a line, and the force curve in plain characters. */
+/* acquire_live.c: the display of palpate acquire during a run: a line, and the force curve in plain
+ * characters. */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire.h"
 

@@ -1,4 +1,4 @@
-/* acquire_monitor.c: what an indenter senses, without a run: nothing is moved, set or recorded. */
+/* acquire_monitor.c: shows an indenter's readings without a run: nothing is moved, set or recorded. */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_session.h"
 

@@ -1,4 +1,4 @@
-/* acquire_path.c: what the plate will do, before it does: a table, and the path as points. */
+/* acquire_path.c: the planned motion of the plate: a table, and the path as points. */
 #include "acquire.h"
 
 #include <math.h>
@@ -37,7 +37,7 @@ static void go(path *p, double seconds, double depth_mm) {
 static void add_cycles(path *p, const palp_wire_segment *s, double target_mm, double rate_mm_s) {
     const double from_mm = p->depth_mm, way_s = fabs(target_mm - from_mm) / rate_mm_s;
     const unsigned shown = s->cycles < CYCLES ? s->cycles : CYCLES;
-    const double each_s = way_s * s->cycles / shown; /* too many to be told apart are drawn wider */
+    const double each_s = way_s * s->cycles / shown; /* too many periods to be seen apart are drawn wider */
     for (unsigned i = 0; i < shown; i++) {
         go(p, each_s, target_mm);
         go(p, each_s, from_mm);
@@ -64,7 +64,7 @@ static void add_waves(path *p, const palp_wire_segment *s, double amplitude_mm) 
     p->time_s = from_s + length_s;
 }
 
-/* Where the plate is for a force nobody knows before: the depth is left at what it was. */
+/* The depth that a force will need is not known beforehand: it is drawn unchanged. */
 static void add_force(path *p, const palp_wire_segment *s, double force_N) {
     const double rate_N_s = 1e-6 * s->rate_nm_s;
     if (json_array_size(p->force) == 0)

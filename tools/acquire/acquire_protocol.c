@@ -1,4 +1,4 @@
-/* acquire_protocol.c: the runs of a session: what is not said of each, the thesis' protocol, their order. */
+/* acquire_protocol.c: the runs of a session: defaults of each, the protocol of the thesis, their order. */
 #include "acquire.h"
 
 #include <math.h>
@@ -53,7 +53,7 @@ static acquire_motion built_in(acquire_kind kind, double depth_mm) {
     return m;
 }
 
-/* Fills in the motion; only what the kind has stays. */
+/* Fills in the motion; figures that the kind does not have are removed. */
 static void complete(acquire_run *r) {
     acquire_motion *m = &r->motion, rest = built_in(r->kind, m->depth_mm);
     acquire_motion_inherit(r->kind, m, &rest);
@@ -103,7 +103,7 @@ static bool add_seed(acquire_plan *plan, acquire_kind kind, double depth_mm, con
     return acquire_plan_add(plan, kind, &m, NULL, why) != NULL;
 }
 
-/* Through the air as fast as in the middle one of the ramps, to see what inertia and drift do. */
+/* A ramp in the air, as fast as the middle one of the ramps, shows inertia and drift. */
 static bool add_air(acquire_plan *plan, const char *name, const acquire_motion *defaults,
                     char why[ACQUIRE_TEXT]) {
     acquire_motion m = acquire_motion_none();
@@ -165,9 +165,8 @@ static void number_names(acquire_plan *plan) {
     }
 }
 
-/* A specimen recovers a little more slowly than it relaxes, after a short press as after a long one: before
- * the next it rests as long as the last took, and at least as long as the phantom of the thesis needs (to 0.5
- * %). */
+/* A specimen recovers a little more slowly than it relaxes, after short and long presses alike. So it rests
+ * as long as the last press took, and at least as long as the phantom of the thesis needs (to 0.5 %). */
 static void fill_rests(acquire_plan *plan) {
     const double least_s = 200;
     double needed_s = 0;

@@ -1,5 +1,5 @@
-/* acquire_reconnect.c: a link that breaks while nothing moves and nothing is recorded is opened again, if the
- * device has gone on meanwhile: its home, tare and contact then still hold. */
+/* acquire_reconnect.c: opens a broken link again, where nothing moved and nothing was recorded. If the device
+ * ran on meanwhile, its home, tare and contact are still valid. */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_session.h"
 
@@ -17,7 +17,7 @@ bool session_reopen(session *s) {
     return true;
 }
 
-/* Until it is there, somebody wishes to stop, or the time is over. */
+/* Tries until the device answers, a stop is asked for, or the time is over. */
 static outcome wait_for_it(session *s, double patience_s) {
     const double until_s = link_now_s() + patience_s;
     const struct timespec nap = {.tv_nsec = 1000000L * NAP_MS};
@@ -33,7 +33,7 @@ static outcome wait_for_it(session *s, double patience_s) {
     return GOES_ON;
 }
 
-/* The device is the one that it was; its samples go on or stay off. */
+/* The same device, without a restart; its samples go on or stay off. */
 static outcome go_on(session *s, uint32_t serial, const palp_wire_status *then) {
     const palp_wire_status *now = &s->device.status;
     const bool quiet = s->quiet,
@@ -54,7 +54,7 @@ outcome session_reconnect(session *s) {
     const uint32_t serial = s->device.info.serial;
     const double patience_s = s->options->reconnect_s;
     session_tell(s, true, "%s, %s: waiting for it for %.0f s", s->device.why, s->doing, patience_s);
-    s->reconnect = NULL; /* one that breaks again at once is not waited for again */
+    s->reconnect = NULL; /* a link that breaks again at once is not tried again */
     outcome end = wait_for_it(s, patience_s);
     end = end ? end : go_on(s, serial, &then);
     s->reconnect = session_reconnect;

@@ -1,4 +1,4 @@
-/* acquire_say.c: what is said of a session: a recording's header, the summary, the line on the terminal. */
+/* acquire_say.c: the texts of a session: a recording's header, the summary, the line on the terminal. */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_session.h"
 #include "shared/json_out.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <time.h>
 
-/* A zero, a NAN, a NULL say nothing. */
+/* Keys with a zero, NAN or NULL are left out. */
 static void number(json_t *to, const char *key, double value) {
     if (isfinite(value)) {
         bool whole = value == rint(value) && fabs(value) < 1e15;

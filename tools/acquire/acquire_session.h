@@ -1,4 +1,4 @@
-/* acquire_session.h: the inside of a session: orders to the device, waiting, runs, what is said of it. */
+/* acquire_session.h: the parts of a session: orders to the device, waiting, runs, messages. */
 #ifndef PALPATE_ACQUIRE_SESSION_H
 #define PALPATE_ACQUIRE_SESSION_H
 
@@ -6,15 +6,14 @@
 
 #include <time.h>
 
-/* Why a step did not go on. FAILED_SAID: its line is on stderr already. */
+/* Why a session ended or goes on. FAILED_SAID: the message is on stderr already. */
 typedef enum outcome { GOES_ON, STOPPED, GONE, FAULTED, FAILED, FAILED_SAID } outcome;
 
 typedef struct session session;
 
 enum { ACQUIRE_WORDS = CLI_PATH_MAX + 2 * ACQUIRE_TEXT };
 
-/* Somebody who looks on, or nobody (NULL): told of every message, and asked often whether it is to be
- * stopped. */
+/* An observer, or NULL: called for every message, and asked often whether to stop. */
 typedef struct session_watcher {
     void (*heard)(const session *s, const palp_wire_message *m, void *context);
     bool (*stops)(const session *s, void *context);
@@ -41,14 +40,14 @@ struct session {
     uint32_t tick, status_tick;
     double case_C;
     double heard_s, asked_s;          /* wall clock; asked: also when samples came */
-    bool quiet;                       /* it is to send no samples */
+    bool quiet;                       /* the device was asked to send no samples */
     outcome (*reconnect)(session *s); /* session_reconnect where a link that broke is waited for, or NULL */
-    bool stopping;                    /* a wish to stop is being obeyed */
+    bool stopping;                    /* the device is being stopped */
     int stops_seen;
-    size_t lossy;     /* runs of which too much is missing; the first of them in why */
+    size_t lossy;     /* runs with too many samples missing; why names the first */
     double faulted_s; /* into the recording; -1 = not in one */
     char why[ACQUIRE_TEXT];
-    json_t *done; /* what is said of each run */
+    json_t *done; /* figures of each run, for the summary */
 };
 
 /* Opens the device and catches Ctrl-C; NULL after one line on stderr. */
@@ -64,7 +63,7 @@ outcome session_segments(session *s, const acquire_run *run);
 outcome session_fail(session *s, const char *format, ...); /* keeps the words */
 
 bool session_moving(const session *s);
-/* Until the motion that was ordered is over; both in seconds of the device, limit_s bounds it. */
+/* Waits for the end of the motion, or for a time; both in seconds of the device, limit_s at most. */
 outcome session_settle(session *s, double limit_s);
 outcome session_wait(session *s, double seconds);
 outcome session_stream(session *s, bool on);
@@ -72,38 +71,38 @@ int session_stops(void); /* how often somebody wished to stop */
 
 bool session_is_to_stop(const session *s);
 
-outcome session_listen(session *s); /* takes what comes within a moment */
+outcome session_listen(session *s); /* takes the frames that arrive within a moment */
 
 /* A link that broke (acquire_reconnect.c): tries it once; waits for it for options->reconnect_s, and goes on
  * as before. */
 bool session_reopen(session *s);
 outcome session_reconnect(session *s);
 
-/* Before a run (acquire_ready.c). Each leaves what it does in s->doing. */
+/* Before a run (acquire_ready.c). Each writes its name into s->doing. */
 outcome session_end_last(session *s);  /* a session that was cut off may have left it moving */
 outcome session_configure(session *s); /* limits, calibration, gains; samples come from then on */
 outcome session_read_scale(session *s);
 outcome session_home(session *s);
 outcome session_tare(session *s);
 outcome session_find_contact(session *s); /* the caller takes the contact from the status */
-/* What the device would refuse, or stop for, an hour later. */
+/* Refuses at once a run that the device would refuse or stop an hour later. */
 outcome session_check_run(session *s, const acquire_run *run);
 outcome session_make_ready(session *s); /* all of these, for the whole plan */
 
 /* Run i of the plan, from the rest before it to its closed file (acquire_run.c). */
 outcome session_run(session *s, size_t i);
-/* The plate off the specimen, whatever it was doing; what comes meanwhile is still recorded. */
+/* Withdraws the plate, whatever it was doing; samples are recorded until then. */
 outcome session_withdraw(session *s, outcome end);
 const char *session_cause(const session *s, outcome end); /* as in end.fault */
-/* How it ended in one line, empty where there is nothing to say; the exit code. */
+/* How it ended, in one line; empty where all went well. Returns the exit code. */
 int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]);
 
-/* What is said of it (acquire_say.c). */
+/* Texts (acquire_say.c). */
 json_t *session_header(const session *s); /* of the run in progress */
 void session_note_run(session *s, const char *cause);
 json_t *session_summary(session *s, const char *cause);
 void session_tell(const session *s, bool warning, const char *format,
-                  ...);                                       /* a line on stderr, and to who looks on */
+                  ...);                                       /* a line on stderr and to the observer */
 void session_line(const session *s, char line[ACQUIRE_TEXT]); /* for the terminal */
 
 #endif

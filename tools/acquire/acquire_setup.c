@@ -1,4 +1,4 @@
-/* acquire_setup.c: which device, on which specimen, into which folder: options that commands share. */
+/* acquire_setup.c: the options for device, specimen and output folder that commands share. */
 #include "acquire_setup.h"
 
 #include <math.h>

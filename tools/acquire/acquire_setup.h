@@ -1,4 +1,4 @@
-/* acquire_setup.h: which device, on which specimen, into which folder: options that commands share. */
+/* acquire_setup.h: the options for device, specimen and output folder that commands share. */
 #ifndef PALPATE_ACQUIRE_SETUP_H
 #define PALPATE_ACQUIRE_SETUP_H
 
@@ -30,8 +30,9 @@ size_t acquire_setup_specimen(acquire_setup *setup, cli_option *list);
 size_t acquire_setup_columns(acquire_setup *setup,
                              cli_option *list); /* of the recordings; without a heading */
 
-/* After the options were read; exit codes. check: a device and a folder are named. prepare: what the virtual
- * indenter's model says of the specimen. open: starts it, if it is one. */
+/* To be called in this order after the options were read; exit codes. check: a device and a folder are named.
+ * prepare: takes the specimen's size from the virtual indenter's model. open: starts the virtual indenter, if
+ * it is one. */
 int acquire_setup_check(const char *name, acquire_setup *setup);
 int acquire_setup_prepare(const char *name, acquire_setup *setup);
 int acquire_setup_open(const char *name, acquire_setup *setup);

@@ -1,4 +1,5 @@
-/* calibrate_device.h: palpate calibrate-device: what can be set of an indenter, and steps that measure it. */
+/* calibrate_device.h: palpate calibrate-device: the parameters of an indenter, and the steps that measure
+ * them. */
 #ifndef PALPATE_CALIBRATE_DEVICE_H
 #define PALPATE_CALIBRATE_DEVICE_H
 
@@ -22,14 +23,14 @@ typedef struct machine_options {
 
 #define MACHINE_NAME "calibrate-device"
 
-/* Into IDLE, where parameters can be set: lets go of a plate that is held. An exit code, after one line if it
- * is not 0. */
+/* Brings the device to IDLE, where parameters can be set: a held plate is let go. An exit code, after one
+ * line if it is not 0. */
 int machine_idle(device *d);
 int machine_failure(device *d, device_result result);
 /* Reads a line; true for yes. --yes says it without asking; the end of the input is a no. */
 bool machine_agrees(const machine_options *o, const char *question);
 
-/* What a step found: told on stderr as it goes, and as JSON at its end (machine_result.c). */
+/* Results of a step: on stderr as they come, and as JSON at its end (machine_result.c). */
 typedef struct machine_result {
     const char *step;
     json_t *figures;

@@ -1,4 +1,4 @@
-/* cmd_calibrate_device.c: palpate calibrate-device: what an indenter is set to, and how it is found. */
+/* cmd_calibrate_device.c: palpate calibrate-device: shows, sets and measures an indenter's parameters. */
 #include "calibrate_device.h"
 #include "shared/commands.h"
 

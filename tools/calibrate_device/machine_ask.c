@@ -1,4 +1,4 @@
-/* machine_ask.c: what the actions share: a device at rest, a failure in words, a question, a date. */
+/* machine_ask.c: shared by the actions: a device at rest, error messages, a question, a date. */
 #define _POSIX_C_SOURCE 200809L
 #include "calibrate_device.h"
 

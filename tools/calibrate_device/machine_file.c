@@ -1,4 +1,4 @@
-/* machine_file.c: what can be set of an indenter: shown, set by name, as one file. */
+/* machine_file.c: an indenter's parameters: shown, set by name, read from and written to a file. */
 #include "calibrate_device.h"
 #include "shared/json_out.h"
 
@@ -114,7 +114,7 @@ static void set_back(device *d, size_t n, const machine_change *change) {
         (void)device_parameter_set(d, change[i].one, (double)change[i].one->value);
 }
 
-/* What goes out of its range is found before anything is set. */
+/* A value out of its range is found before any value is set. */
 static int check(size_t n, const machine_change *change) {
     for (size_t i = 0; i < n; i++) {
         const device_parameter *one = change[i].one;

@@ -1,5 +1,4 @@
-/* machine_result.c: what a step found: told on the terminal, as JSON at the end; and questions to whoever
- * stands beside it. */
+/* machine_result.c: results of a step, on the terminal and as JSON, and questions to the user. */
 #include "calibrate_device.h"
 #include "shared/json_out.h"
 

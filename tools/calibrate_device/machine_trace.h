@@ -1,5 +1,4 @@
-/* machine_trace.h: what a step of the calibration measures with: samples as they came, a line through points,
- * its interval. */
+/* machine_trace.h: the tools of a calibration step: recorded samples, a least-squares line, its interval. */
 #ifndef PALPATE_MACHINE_TRACE_H
 #define PALPATE_MACHINE_TRACE_H
 
@@ -14,7 +13,7 @@ typedef struct machine_sample {
 } machine_sample;
 
 typedef struct machine_trace {
-    bool on, full; /* full: out of memory, what came after is not in it */
+    bool on, full; /* full: out of memory; later samples are missing */
     size_t n, room;
     machine_sample *list;
 } machine_trace;
@@ -30,9 +29,9 @@ typedef struct machine_figure {
 
 enum { MACHINE_TERMS = 4 };
 
-/* y = sum of coefficients times x[i][], by least squares; half: Student's t times the standard error, the
- * residual's sd taken to be at least sd. False: the points do not tell the coefficients apart. residual (may
- * be NULL): y minus the line. */
+/* y = sum of coefficients times x[i][], by least squares. half: Student's t times the standard error, with
+ * the residual's sd at least sd. False: the points do not determine the coefficients. residual (may be NULL):
+ * y minus the line. */
 bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const double *y, double sd,
                  machine_figure *coefficient, double *residual);
 

@@ -1,4 +1,4 @@
-/* step_air.c: the plate up and down in the air: friction, drag and balance of the drive, how even it is; the
+/* step_air.c: the plate up and down in the air: friction, drag, balance and ripple of the drive, and the
  * sensor's noise. */
 #include "calibrate_device.h"
 
@@ -24,7 +24,7 @@ typedef struct airing {
     double motor_N, low_mm, high_mm;
     size_t n; /* pairs of passes */
     double rate_m_s[PASSES], half_N[PASSES],
-        mean_N[PASSES]; /* half of what down and up differ by, and their mean */
+        mean_N[PASSES]; /* half of the difference of down and up, and their mean */
     double ripple_N, noise_N;
 } airing;
 
@@ -40,7 +40,7 @@ static outcome jog(session *s, double to_mm, double rate_mm_s) {
     return end ? end : session_settle(s, 60);
 }
 
-/* Of the middle of the way: the motor's mean force, and how much means of 20 ms scatter. */
+/* In the middle of the way: the motor's mean force, and the sd of means of 20 ms. */
 static bool middle(const airing *a, pass *p) {
     const machine_trace *t = a->trace;
     const double margin = MARGIN * (a->high_mm - a->low_mm), mm = a->s->scale.count_mm;

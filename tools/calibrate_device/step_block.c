@@ -1,4 +1,4 @@
-/* step_block.c: a press on a rigid block: how far the frame gives way, and what force the motor gives. */
+/* step_block.c: a press on a rigid block: the frame's compliance, and the motor's force. */
 #include "calibrate_device.h"
 
 #include <math.h>
@@ -12,8 +12,8 @@ enum { MEAN = 50 /* ticks of a point */, DOWN = 1, UP = 3 /* of the segments */ 
 static const double FULL = 32767, SHARE = 0.4 /* of the highest force */, AIR_MM = 0.05, RAMP_S = 5,
                     HOLD_S = 1, BACK = 0.1;
 static const double SOFT_N_M = 1e4;
-static const double LOADED = 0.1,
-                    TURNED = 0.7; /* of the force: it is pressed; on the way back friction has turned round */
+static const double LOADED = 0.1, TURNED = 0.7; /* share of the force from which a point counts: below it,
+                                                   friction is still changing its sign on the way back */
 
 static bool move(acquire_run *r, double to_mm, double seconds) {
     acquire_motion m = r->motion;
@@ -21,7 +21,7 @@ static bool move(acquire_run *r, double to_mm, double seconds) {
     return acquire_segment_add(r, PALP_WIRE_SEGMENT_MOVE, to_mm, &m);
 }
 
-/* By place, not by force: so deep as the slope at contact says for that force, slowly. */
+/* Presses slowly to a depth, not to a force: the depth follows from the slope at contact. */
 static bool plan_press(acquire_plan *plan, double depth_mm) {
     char why[ACQUIRE_TEXT];
     acquire_motion m = acquire_motion_none();

@@ -21,7 +21,7 @@ static const double EQUATIONS =
     0.005; /* delays within a tick, friction that is not quite the same at any speed */
 static const double ONE_WAY = 0.999, WORSE = 1.2;
 
-/* force = mass * acceleration + drag * velocity + friction * its direction + lift */
+/* force = mass * acceleration + drag * velocity + friction * sign(velocity) + lift */
 typedef struct drive {
     machine_figure mass_kg, drag_Ns_m, friction_N, lift_N;
     double error_um; /* rms of the plate's place */
@@ -64,7 +64,7 @@ static double place(const signals *g, size_t i) {
     return g->count_m * g->list[i].position;
 }
 
-/* Over a tick before and one after: the output of a tick holds until the next. */
+/* From the tick before and the tick after, since an output holds until the next tick. */
 static double force_at(const signals *g, size_t i) {
     return 0.5 * g->motor_N / FULL * (g->list[i].duty + g->list[i - 1].duty);
 }
@@ -78,8 +78,8 @@ static double direction_at(const signals *g, size_t i) {
     return way > 0 ? 1 : way < 0 ? -1 : 0;
 }
 
-/* All by the same triangle, under which a second difference over its width is the mean of the accelerations.
- */
+/* All signals are averaged by the same triangle: with it a second difference over its width is the mean
+ * acceleration. */
 static void averaged(const signals *g, size_t i, double x[MACHINE_TERMS], double *force_N) {
     const double width_s = WIDTH * g->tick_s;
     x[0] = (place(g, i + WIDTH) - 2 * place(g, i) + place(g, i - WIDTH)) / (width_s * width_s);
@@ -117,13 +117,13 @@ static bool make_points(const signals *g, points *p) {
     *p = (points){0, calloc(most, sizeof *p->x), calloc(most, sizeof *p->y)};
     for (size_t i = 2 * WIDTH; p->x && p->y && i + 2 * WIDTH < g->n; i += STEP) {
         averaged(g, i, p->x[p->n], &p->y[p->n]);
-        p->n += fabs(p->x[p->n][2]) > ONE_WAY; /* where it turns round friction is anything */
+        p->n += fabs(p->x[p->n][2]) > ONE_WAY; /* where the motion reverses, friction is undefined */
     }
     return p->x && p->y && p->n > 10 * PARTS;
 }
 
-/* What a part of the sweep, which has frequencies of its own, would change: the jackknife sees what the model
- * lacks, too. */
+/* Jackknife over parts of the sweep, which differ in frequency: so errors of the model enter the interval
+ * too. */
 static bool widen(const points *p, machine_figure c[TERMS]) {
     double square[TERMS] = {0};
     points some = {0, malloc(p->n * sizeof *p->x), malloc(p->n * sizeof *p->y)};
@@ -174,7 +174,7 @@ static int measure(session *s, machine_trace *trace, double motor_N, drive *d) {
 
 /* ---- gains ---- */
 
-/* Three equal poles -w: the one in use says w and, in kp, the stiffness that the class is for;
+/* Three equal poles -w: the gains in use give w and, in kp, the stiffness that the class is for;
  * doc/control.md. */
 static bool class_gains(const device_parameters *p, size_t k, const drive *d, machine_change change[3]) {
     const double old_kg = device_parameter_value(p, "moving_kg", 0), m = d->mass_kg.value;
@@ -207,7 +207,7 @@ static void tell(machine_result *r, const drive *d) {
     machine_tell(r, "error_um", d->error_um, NAN, "of the plate in the sweep, rms");
 }
 
-/* With what was found, and once more with the gains that it gives. */
+/* Repeats the sweep with the values found, and with the gains that follow from them. */
 static int calibrate(const machine_options *o, session *s, machine_trace *trace, const device_parameters *p,
                      machine_result *result) {
     const double motor_N = device_parameter_value(p, "motor_N", 0);

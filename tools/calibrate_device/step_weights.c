@@ -1,4 +1,4 @@
-/* step_weights.c: known masses on the sensor: its sensitivity and sign, how straight it is, its noise. */
+/* step_weights.c: known masses on the sensor: its sensitivity, sign, linearity and noise. */
 #include "calibrate_device.h"
 
 #include <math.h>
