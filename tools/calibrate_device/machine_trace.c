@@ -53,27 +53,26 @@ typedef struct normal {
     double a[MACHINE_TERMS][MACHINE_TERMS], inverse[MACHINE_TERMS][MACHINE_TERMS];
 } normal;
 
-/* Gauss-Jordan of a symmetric, scaled matrix. */
+/* LAPACK's: Cholesky factor of the lower triangle, by columns, and the inverse from it. */
+void dpotrf_(const char *half, const int *n, double *a, const int *lda, int *info);
+void dpotri_(const char *half, const int *n, double *a, const int *lda, int *info);
+
+/* Of a symmetric matrix, scaled to ones on its diagonal. */
 static bool invert(normal *m) {
-    double a[MACHINE_TERMS][2 * MACHINE_TERMS] = {{0}};
-    for (size_t i = 0; i < m->n; i++) {
-        for (size_t j = 0; j < m->n; j++)
-            a[i][j] = m->a[i][j] / sqrt(m->a[i][i] * m->a[j][j]);
-        a[i][m->n + i] = 1;
-    }
-    for (size_t k = 0; k < m->n; k++) {
-        if (!(a[k][k] > 1e-10)) /* not so a NaN */
-            return false;
-        for (size_t j = 2 * m->n; j-- > k;)
-            a[k][j] /= a[k][k];
-        for (size_t i = 0; i < m->n; i++)
-            for (size_t j = 2 * m->n; i != k && j-- > k;)
-                a[i][j] -= a[i][k] * a[k][j];
-    }
+    const int n = (int)m->n, lda = MACHINE_TERMS;
+    int info;
     for (size_t i = 0; i < m->n; i++)
         for (size_t j = 0; j < m->n; j++)
-            m->inverse[i][j] = a[i][m->n + j] / sqrt(m->a[i][i] * m->a[j][j]);
-    return true;
+            m->inverse[i][j] = m->a[i][j] / sqrt(m->a[i][i] * m->a[j][j]);
+    dpotrf_("L", &n, m->inverse[0], &lda, &info);
+    for (size_t k = 0; k < m->n && info == 0; k++)
+        info = m->inverse[k][k] * m->inverse[k][k] > 1e-10 ? 0 : 1; /* not so a NaN */
+    if (info == 0)
+        dpotri_("L", &n, m->inverse[0], &lda, &info);
+    for (size_t j = 0; j < m->n; j++)
+        for (size_t i = j; i < m->n; i++)
+            m->inverse[i][j] = m->inverse[j][i] = m->inverse[j][i] / sqrt(m->a[i][i] * m->a[j][j]);
+    return info == 0;
 }
 
 bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const double *y, double sd,
