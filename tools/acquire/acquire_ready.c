@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { AXIS_Z = 2, TARE_TICKS = 1000 };
+enum { TARE_TICKS = 1000 };
 
 static const double SEEK_MM_S = 0.5;
 
@@ -87,7 +87,7 @@ static outcome read_axis(session *s, uint8_t axis, double row_N[PALP_WIRE_CHANNE
 
 /* By which counts become newtons. */
 outcome session_read_scale(session *s) {
-    outcome end = read_axis(s, AXIS_Z, s->scale.row_N);
+    outcome end = read_axis(s, DEVICE_AXIS_Z, s->scale.row_N);
     const bool all = (s->options->columns & ACQUIRE_FORCES) != 0;
     for (uint8_t axis = 0; all && axis < PALP_WIRE_CHANNELS && end == GOES_ON; axis++)
         end = read_axis(s, axis, s->scale.matrix[axis]);

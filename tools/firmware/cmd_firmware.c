@@ -13,7 +13,7 @@
 
 static const char NAME[] = "firmware";
 
-enum { HOMING_S = 120, AXIS_Z = 2 };
+enum { HOMING_S = 120 };
 
 typedef struct firmware_options {
     const char *action, *port, *image;
@@ -195,17 +195,11 @@ static int run_gains(const firmware_options *o, device *d) {
     return print_table(o, rows);
 }
 
-static device_result newest_status(device *d) {
-    palp_wire_message got;
-    device_result result = device_poll(d, 50);
-    return result == DEVICE_CLOSED ? result : device_do(d, PALP_WIRE_TYPE_GET_STATUS, &got);
-}
-
 static int run_home(const firmware_options *o, device *d) {
     double until_s = link_now_s() + HOMING_S;
     device_result result = device_do(d, PALP_WIRE_TYPE_HOME, NULL);
     do {
-        result = result ? result : newest_status(d);
+        result = result ? result : device_status(d);
         if (result)
             return device_failure(d, result);
     } while (d->status.state == PALP_WIRE_STATE_HOMING && link_now_s() < until_s);
@@ -219,13 +213,14 @@ static int run_home(const firmware_options *o, device *d) {
 
 static int run_tare(const firmware_options *o, device *d) {
     palp_wire_message tare = {.type = PALP_WIRE_TYPE_TARE, .as.tare = {.samples = (uint16_t)o->samples}}, got;
-    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = AXIS_Z}};
+    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION,
+                             .as.get_calibration = {.axis = DEVICE_AXIS_Z}};
     const palp_wire_calibration *c = &got.as.calibration;
     double counts[PALP_WIRE_CHANNELS];
     device_result result = device_command(d, &tare, NULL);
-    result = result ? result : newest_status(d);
+    result = result ? result : device_status(d);
     for (uint32_t tick = d->status.tick; !result && d->status.tick - tick <= o->samples;)
-        result = newest_status(d);
+        result = device_status(d);
     result = result ? result : device_command(d, &ask, &got);
     if (result)
         return device_failure(d, result);
@@ -237,7 +232,8 @@ static int run_tare(const firmware_options *o, device *d) {
 }
 
 static int run_self_test(const firmware_options *o, device *d) {
-    return firmware_self_test(NAME, d, o->json);
+    const int code = firmware_self_test(NAME, d, o->json);
+    return code == CLI_DEVICE_FAULT ? say_fault(&d->status) : code;
 }
 
 static int run_clear(const firmware_options *o, device *d) {
@@ -246,7 +242,7 @@ static int run_clear(const firmware_options *o, device *d) {
         result = DEVICE_OK;
     }
     if (result == DEVICE_REFUSED && d->refusal == PALP_WIRE_RESULT_PERSISTS &&
-        newest_status(d) == DEVICE_OK) {
+        device_status(d) == DEVICE_OK) {
         cli_failure(NAME, "the cause of %s is still there: %s", palp_wire_fault_name(d->status.fault),
                     palp_wire_fault_text(d->status.fault));
         return CLI_DEVICE_FAULT;

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { REST_SAMPLES = 1000, AXIS_Z = 2 };
+enum { REST_SAMPLES = 1000 };
 static const double HANG_S = 120; /* wall clock: no step takes so long */
 static const double MOVE_MM = 3, MOVE_MM_S = 2;
 static const double ROOM_MM = 5, TOUCH_NOISES = 5; /* free below home; force of a touch, in noise levels */
@@ -123,12 +123,6 @@ static void judge_line(self_test *t) {
 
 /* ---- doing it ---- */
 
-static device_result look(self_test *t) {
-    palp_wire_message got;
-    device_result result = device_poll(t->device, 50);
-    return result == DEVICE_CLOSED ? result : device_do(t->device, PALP_WIRE_TYPE_GET_STATUS, &got);
-}
-
 static bool moves(const self_test *t) {
     const uint8_t s = t->device->status.state;
     return s == PALP_WIRE_STATE_HOMING || s == PALP_WIRE_STATE_APPROACH || s == PALP_WIRE_STATE_JOG ||
@@ -138,7 +132,7 @@ static bool moves(const self_test *t) {
 static device_result settle(self_test *t, device_result result) {
     const double until_s = link_now_s() + HANG_S;
     do {
-        result = result ? result : look(t);
+        result = result ? result : device_status(t->device);
     } while (!result && moves(t) && link_now_s() < until_s);
     return result;
 }
@@ -148,7 +142,7 @@ static device_result rest(self_test *t) {
     device_result result = DEVICE_OK;
     begin(t);
     while (!result && t->now.n < REST_SAMPLES && link_now_s() < until_s)
-        result = look(t);
+        result = device_status(t->device);
     return result;
 }
 
@@ -205,7 +199,8 @@ static device_result read_limits(self_test *t) {
 }
 
 static device_result read_row(self_test *t) {
-    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION, .as.get_calibration = {.axis = AXIS_Z}},
+    palp_wire_message ask = {.type = PALP_WIRE_TYPE_GET_CALIBRATION,
+                             .as.get_calibration = {.axis = DEVICE_AXIS_Z}},
                       got = {0};
     const device_result result = device_command(t->device, &ask, &got);
     for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
@@ -253,11 +248,8 @@ int firmware_self_test(const char *name, device *d, bool json) {
     else
         print(&t);
     json_decref(t.checks);
-    if (d->status.state == PALP_WIRE_STATE_FAULT) {
-        cli_failure(name, "the device stopped: %s (%s); see to it, then palpate firmware clear-fault",
-                    palp_wire_fault_name(d->status.fault), palp_wire_fault_text(d->status.fault));
+    if (d->status.state == PALP_WIRE_STATE_FAULT)
         return CLI_DEVICE_FAULT;
-    }
     if (result)
         return cli_failure(name, "%s", d->why);
     return code || t.all_good ? code : cli_failure(name, "the self-test found what is not as it should be");

@@ -5,8 +5,8 @@
 #include "indenter/device.h"
 
 /* A second at rest, home, a search for an obstacle, then 3 mm down and back; prints a verdict on each check.
- * Returns an exit code: CLI_FAILURE after a bad verdict, CLI_DEVICE_FAULT where a fault stopped the indenter.
- */
+ * Returns an exit code: CLI_FAILURE after a bad verdict, CLI_DEVICE_FAULT, without a message, where a fault
+ * stopped it. */
 int firmware_self_test(const char *name, device *d, bool json);
 
 #endif

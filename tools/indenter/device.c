@@ -16,6 +16,7 @@ enum {
     WRITE_MS = 1000,
     ALIVE_MS = 500, /* by our clock and by the device's; a simulated device may run faster than ours */
     READ_SIZE = 4096,
+    STATUS_WAIT_MS = 50,
     NAP_MS = 1
 };
 
@@ -230,6 +231,12 @@ device_result device_poll(device *d, int timeout_ms) {
             result = pump(d, fmin(until_s - link_now_s(), until_alive(d)), NULL);
     } while (result == DEVICE_TIMEOUT && link_now_s() < until_s);
     return result;
+}
+
+device_result device_status(device *d) {
+    palp_wire_message got;
+    device_result result = device_poll(d, STATUS_WAIT_MS);
+    return result == DEVICE_CLOSED ? result : device_do(d, PALP_WIRE_TYPE_GET_STATUS, &got);
 }
 
 /* ---- opening ---- */

@@ -7,7 +7,7 @@
 #include <palpate/wire.h>
 #include <pthread.h>
 
-enum { DEVICE_TEXT = 256 };
+enum { DEVICE_TEXT = 256, DEVICE_AXIS_Z = 2 /* of the sensor: along the press */ };
 
 /* Called for every good frame, in order. lost_frames: how many are missing before it, by the sequence
  * numbers. */
@@ -68,5 +68,8 @@ device_result device_poll(device *d, int timeout_ms);
 /* Sends HALT at once. This is the only call that a second thread may make while the first is in another. It
  * waits for no answer: the device's state shows whether HALT arrived, and it may be sent again. */
 device_result device_halt(device *d);
+
+/* device_poll for at most a twentieth of a second, then the newest status, into d->status. */
+device_result device_status(device *d);
 
 #endif

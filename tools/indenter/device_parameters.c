@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { SAVE_TICKS = 5000, SAVE_POLL_MS = 20 };
+enum { SAVE_TICKS = 5000 };
 
 static float number_of(uint32_t bits) {
     float value;
@@ -22,7 +22,7 @@ static uint32_t bits_of(float value) {
     return bits;
 }
 
-device_result device_configuration(device *d, palp_wire_configuration *now) {
+static device_result read_configuration(device *d, palp_wire_configuration *now) {
     palp_wire_message got = {0};
     device_result result = device_do(d, PALP_WIRE_TYPE_GET_CONFIGURATION, &got);
     *now = got.as.configuration;
@@ -45,7 +45,7 @@ static device_result read_one(device *d, uint8_t id, device_parameter *one) {
 }
 
 device_result device_parameters_read(device *d, size_t at_most, device_parameters *p) {
-    device_result result = device_configuration(d, &p->now);
+    device_result result = read_configuration(d, &p->now);
     p->n = 0;
     while (result == DEVICE_OK && p->n < at_most && p->n < p->now.parameters) {
         result = read_one(d, (uint8_t)p->n, &p->one[p->n]);
@@ -90,13 +90,11 @@ device_result device_parameter_set(device *d, const device_parameter *one, doubl
 }
 
 static device_result wait_for_save(device *d, palp_wire_configuration *now) {
-    device_result result = device_configuration(d, now);
+    device_result result = read_configuration(d, now);
     const uint32_t from = d->device_tick;
     while (result == DEVICE_OK && now->saving == 1 && d->device_tick - from < SAVE_TICKS) {
-        palp_wire_message got;
-        result = device_poll(d, SAVE_POLL_MS);
-        result = result == DEVICE_CLOSED ? result : device_do(d, PALP_WIRE_TYPE_GET_STATUS, &got);
-        result = result ? result : device_configuration(d, now);
+        result = device_status(d);
+        result = result ? result : read_configuration(d, now);
     }
     return result;
 }

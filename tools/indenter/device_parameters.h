@@ -21,7 +21,6 @@ typedef struct device_parameters {
 
 /* Reads the first at_most parameters; DEVICE_PARAMETERS reads all. */
 device_result device_parameters_read(device *d, size_t at_most, device_parameters *p);
-device_result device_configuration(device *d, palp_wire_configuration *now);
 
 /* NULL: there is no parameter of that name and index. */
 const device_parameter *device_parameter_find(const device_parameters *p, const char *name, size_t index);

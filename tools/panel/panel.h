@@ -106,7 +106,6 @@ void panel_add(panel *p, const panel_point *point, const panel_view *view);
 void panel_see(panel *p, const panel_view *view);
 /* State, and the points and notes after those numbers. The caller frees it. */
 json_t *panel_live(panel *p, size_t point, size_t note);
-const char *panel_advice(uint8_t fault); /* what to do */
 
 /* Takes the current from the motor, whatever the owner is doing. True once the device has confirmed that it
  * stopped. */

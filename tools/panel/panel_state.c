@@ -105,7 +105,8 @@ void panel_add(panel *p, const panel_point *point, const panel_view *view) {
     pthread_mutex_unlock(&p->lock);
 }
 
-const char *panel_advice(uint8_t fault) {
+/* What to do about a fault. */
+static const char *advise(uint8_t fault) {
     static const char *const advice[PALP_WIRE_FAULT_COUNT] = {
         [PALP_WIRE_FAULT_NONE] = "",
         [PALP_WIRE_FAULT_OVER_FORCE] =
@@ -160,9 +161,9 @@ static json_t *state_json(const panel *p) {
     return json_pack(
         "{ss ss ss ss ss sb sb sb sb sb sb so so so so so so sf sf so sI so}", "calibration", calibration,
         "state", v->gone ? "gone" : palp_wire_state_name(v->state), "fault", palp_wire_fault_name(now->fault),
-        "fault_text", palp_wire_fault_text(now->fault), "advice", panel_advice(now->fault), "homed",
-        now->homed, "contact_known", now->contact_known, "busy", p->busy || p->waiting, "stopping", p->stop,
-        "recording", v->recording, "gone", v->gone, "doing", json_string(v->doing), "contact_mm",
+        "fault_text", palp_wire_fault_text(now->fault), "advice", advise(now->fault), "homed", now->homed,
+        "contact_known", now->contact_known, "busy", p->busy || p->waiting, "stopping", p->stop, "recording",
+        v->recording, "gone", v->gone, "doing", json_string(v->doing), "contact_mm",
         now->contact_known ? real(count_mm * now->contact) : json_null(), "place_mm", real(v->place_mm),
         "stiffness_N_m", now->contact_known ? real(1e-3 * now->stiffness_mN_m) : json_null(), "case_C",
         real(v->case_C), "winding_C", real(1e-2 * now->winding_cC), "travel_mm", 1e-6 * v->info.travel_nm,
