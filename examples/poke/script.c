@@ -1,10 +1,15 @@
 /* script.c: what the hand does, from a file: one command a line, lengths in mm, # starts a comment.
- *   press X Y Z FRAMES the sphere's centre goes there within so many frames (at once if it was
- * away) lift takes the sphere away grasp X Y Z RADIUS holds the surface
- * within the radius drag DX DY DZ FRAMES moves the hand by that much release blade X Y Z X Y Z places
- * the blade's edge slice DX DY DZ FRAMES moves it by that much, cutting sheathe takes the blade away
- *   turn YAW PITCH FRAMES turns the camera by degrees
- *   tear 0|1 whether overstretched elements tear
+ *
+ *   press X Y Z FRAMES       the sphere's centre goes there within so many frames (at once if it was away)
+ *   lift                     takes the sphere away
+ *   grasp X Y Z RADIUS       grasps the surface within the radius
+ *   drag DX DY DZ FRAMES     moves the hand by that much
+ *   release
+ *   blade X Y Z X Y Z        places the blade's edge
+ *   slice DX DY DZ FRAMES    moves it by that much, cutting
+ *   sheathe                  takes the blade away
+ *   turn YAW PITCH FRAMES    turns the camera by degrees
+ *   tear 0|1                 whether overstretched elements tear
  *   wait FRAMES */
 #include "poke.h"
 
