@@ -84,8 +84,7 @@ static int is_past(const struct timespec *deadline, long by_ns) {
 static void *haptic_thread(void *user) {
     haptics *h = (haptics *)user;
     const size_t bytes = 3 * palp_mesh_node_count(palp_network_mesh(h->network)) * sizeof(double);
-    const palp_budget budget = {0.7e-3, 0,
-                                1e-3}; /* s of the millisecond, or until the force is known to 0.1 % */
+    const palp_budget budget = {0.7e-3, 0, 1e-3}; /* 0.7 ms, or an estimated error of 0.1 % of the force */
     struct timespec next;
     clock_gettime(CLOCK_MONOTONIC, &next);
     while (__atomic_load_n(&h->running, __ATOMIC_RELAXED) && !h->status) {

@@ -42,7 +42,7 @@ try() { # name compiler and language flags...
     # shellcheck disable=SC2086
     "$@" -Wall -Wextra -Wpedantic -Werror $flags -o "$work/static" tests/install/outside.c -x none $static
     LD_LIBRARY_PATH=$lib "$work/shared" || fail "$name, shared: failed"
-    LD_LIBRARY_PATH=$lib ldd "$work/shared" | grep -q "libpalpate.so.[0-9]* => $lib" || fail "$name: not the shared library"
+    LD_LIBRARY_PATH=$lib ldd "$work/shared" | grep -q "libpalpate.so.[0-9.]* => $lib" || fail "$name: not the shared library"
     "$work/static" || fail "$name, static: failed"
     if ldd "$work/static" | grep -q libpalpate; then fail "$name: not the static library"; fi
     echo "$name: shared and static work"
