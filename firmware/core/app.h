@@ -95,6 +95,7 @@ typedef struct app {
     int32_t home, edge; /* counts; edge: of the switch, while homing */
     bool sensed, homed; /* sensed: there has been a tick */
     bool contact_known;
+    uint8_t search; /* palp_wire_search: how the last one ended */
     float contact_m, stiffness_N_m;
     uint8_t softness; /* class of gains in use */
     bool softness_auto;

@@ -173,6 +173,7 @@ static uint8_t find_contact(app *a, const palp_wire_find_contact *asked) {
     if (rate > a->machine.search_m_s || threshold <= 0.0f || threshold > a->limits.force_N || way <= 0.0f)
         return PALP_WIRE_RESULT_RANGE;
     a->contact_known = false;
+    a->search = PALP_WIRE_SEARCH_NONE;
     a->rate_m_s = rate;
     contact_begin(&a->contact, threshold, end < a->limits.travel_m ? end : a->limits.travel_m);
     return begin(a, SUPERVISOR_FIND_CONTACT);
@@ -209,21 +210,29 @@ static float safe_m_s(const app *a) {
     return a->limits.force_N / (momentum_Ns_m + blind_s * k);
 }
 
-/* Within the travel, and slowly enough. */
-static bool can_follow(const app *a, uint8_t segments, float start_m) {
+/* Within the travel, and slowly enough; to a force only where its loop is stable. */
+static uint8_t can_follow(const app *a, uint8_t segments, float start_m) {
     const reach r = trajectory_reach(&a->trajectory, segments, start_m);
     const float to_start_m_s = start_m > 0.0f ? first_rate(&a->trajectory) : 0.0f;
-    return r.force_N <= a->limits.force_N && a->contact_m + r.low_m >= 0.0f &&
+    if (r.force_N > 0.0f && !trajectory_force_stable(&a->trajectory, contact_noise_N(&a->contact)))
+        return PALP_WIRE_RESULT_UNSTABLE;
+    return done_if(r.force_N <= a->limits.force_N && a->contact_m + r.low_m >= 0.0f &&
            a->contact_m + r.high_m <= a->limits.travel_m && r.speed_m_s <= safe_m_s(a) &&
-           to_start_m_s <= safe_m_s(a);
+           to_start_m_s <= safe_m_s(a));
 }
 
 static uint8_t start(app *a, const palp_wire_start *asked) {
     const float depth = (float)asked->start_nm * 1e-9f, place = a->contact_m + depth;
     if (!a->contact_known)
         return PALP_WIRE_RESULT_NO_CONTACT;
-    if (!segments_are_set(a, asked->segments) || !can_follow(a, asked->segments, depth))
+    if (!segments_are_set(a, asked->segments))
         return PALP_WIRE_RESULT_RANGE;
+    a->trajectory.stiffness_N_m = a->stiffness_N_m;
+    a->trajectory.count_m = a->machine.count_m;
+    const uint8_t result = can_follow(a, asked->segments, depth);
+    if (result != PALP_WIRE_RESULT_DONE)
+        return result;
+    a->trajectory.touch_N = a->contact.threshold_N;
     a->trajectory.force_most_m_s = safe_m_s(a) < a->machine.speed_m_s ? safe_m_s(a) : a->machine.speed_m_s;
     trajectory_begin(&a->trajectory, asked->segments, depth);
     a->air_ticks = asked->air_ms * (CONTROL_HZ / 1000);

@@ -128,6 +128,7 @@ void motion_withdraw(app *a, float to_m) {
 
 static void contact_is_known(app *a) {
     a->contact_known = true;
+    a->search = PALP_WIRE_SEARCH_FOUND;
     a->contact_m = a->contact.position_m;
     motion_withdraw(a, a->contact_m - MOTION_AIR_M);
     a->stiffness_N_m = a->contact.stiffness_N_m;
@@ -142,6 +143,8 @@ static void approach_step(app *a) {
         (void)contact_step(&a->contact, a->position_m - a->velocity_m_s * a->machine.force_lag_s, a->force_N);
     if (a->contact.phase == CONTACT_FOUND)
         contact_is_known(a);
+    else if (a->contact.phase == CONTACT_MISSED || at_end)
+        a->search = a->contact.phase == CONTACT_MISSED ? a->contact.reason : (uint8_t)PALP_WIRE_SEARCH_NOTHING;
     if (a->contact.phase == CONTACT_FOUND || a->contact.phase == CONTACT_MISSED || at_end)
         (void)supervisor_take(&a->supervisor, SUPERVISOR_DONE);
 }
@@ -164,7 +167,6 @@ static void retract_step(app *a) {
 
 static bool follow(app *a) {
     a->trajectory.measured_N = a->force_N;
-    a->trajectory.stiffness_N_m = a->stiffness_N_m;
     const bool going = trajectory_step(&a->trajectory, &a->reference);
     a->reference.position_m += a->contact_m;
     return !going;

@@ -100,6 +100,7 @@ static palp_wire_status status(const app *a) {
         .fault_tick = a->supervisor.fault_tick,
         .homed = a->homed,
         .contact_known = a->contact_known,
+        .search = a->search,
         .softness = a->softness,
         .position = position(a),
         .contact = a->contact_known ? real_round(a->contact_m / a->machine.count_m) : 0,

@@ -14,7 +14,8 @@ static const uint8_t order[] = {
     PALP_WIRE_FAULT_ENCODER_LOST,     PALP_WIRE_FAULT_ENCODER_JUMP,         PALP_WIRE_FAULT_SENSOR_SILENT,
     PALP_WIRE_FAULT_OVER_FORCE,       PALP_WIRE_FAULT_SENSOR_SATURATED,     PALP_WIRE_FAULT_OVER_TRAVEL,
     PALP_WIRE_FAULT_OVER_TEMPERATURE, PALP_WIRE_FAULT_FOLLOWING_ERROR,      PALP_WIRE_FAULT_HOST_TIMEOUT,
-    PALP_WIRE_FAULT_STREAM_OVERFLOW,  PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE,
+    PALP_WIRE_FAULT_STREAM_OVERFLOW,  PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE, PALP_WIRE_FAULT_CONTACT_LOST,
+    PALP_WIRE_FAULT_FORCE_OSCILLATES,
 };
 
 void watch_limits_begin(app *a) {
@@ -125,6 +126,7 @@ void watch_reference(app *a) {
     const bool within =
         x >= (from < 0.0f ? from : 0.0f) && x <= (from > most ? from : most); /* not so a NaN */
     note(a, PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE, app_moving(a) && !within);
+    note(a, a->trajectory.fault, motion_follows(a) && a->trajectory.fault != PALP_WIRE_FAULT_NONE);
     stop_for(a);
 }
 

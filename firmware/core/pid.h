@@ -23,16 +23,18 @@ typedef struct pid {
     float slope_m_s;  /* filtered velocity error */
     float last_error_m;
     float friction; /* -1..1: direction and share of the friction that is fed forward */
+    float feed_N_m; /* of the last step: where it changes, the integral takes over what it gave */
     bool started;
 } pid;
 
 void pid_reset(pid *p);
 
 /* Force for the motor, within +-limit_N, as it gives it at standstill: drag_Ns_m times the reference's
- * velocity is in it, so that duty = force / motor_N. depth_m: of the reference into the specimen, from
- * contact (0 in the air, or where contact is not known). The integral stops where the output is held back
+ * velocity is in it, so that duty = force / motor_N. feed_N_m: specimen force fed forward per depth_m, which
+ * is that of the reference into the specimen, from contact (0 in the air, or where contact is not known); it
+ * may change at any time without a jump of the force. The integral stops where the output is held back
  * (anti-windup). */
-float pid_step(pid *p, const gains *g, const reference *to, float position_m, float depth_m, float moving_kg,
-               float drag_Ns_m, float friction_N, float limit_N);
+float pid_step(pid *p, const gains *g, float feed_N_m, const reference *to, float position_m, float depth_m,
+               float moving_kg, float drag_Ns_m, float friction_N, float limit_N);
 
 #endif

@@ -54,6 +54,8 @@ static const uint16_t watching[PALP_WIRE_FAULT_COUNT] = {
     [PALP_WIRE_FAULT_ENCODER_LOST] = HELD,
     [PALP_WIRE_FAULT_DRIVER_FAULT] = HELD,
     [PALP_WIRE_FAULT_BROWN_OUT] = IN(BOOT),
+    [PALP_WIRE_FAULT_CONTACT_LOST] = IN(RUN),
+    [PALP_WIRE_FAULT_FORCE_OSCILLATES] = IN(RUN),
 };
 
 bool supervisor_take(supervisor *s, supervisor_event event) {

@@ -1,6 +1,7 @@
 /* trajectory.c: the depth that the plate is to follow, tick by tick, from a list of segments. */
 #include "trajectory.h"
 
+#include "contact.h"
 #include "machine.h"
 #include "real.h"
 
@@ -151,7 +152,8 @@ static bool sweep_possible(const palp_wire_segment *wire, float speed_m_s) {
 }
 
 static bool force_possible(const palp_wire_segment *wire, float force_N) {
-    return wire->target_nm > 0 && (float)wire->target_nm * 1e-6f <= force_N && wire->rate_nm_s > 0;
+    return wire->target_nm > 0 && (float)wire->target_nm * 1e-6f <= force_N && wire->rate_nm_s > 0 &&
+           wire->deepest_nm >= 0;
 }
 
 static bool is_smooth(uint8_t kind) {
@@ -196,6 +198,7 @@ void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire)
                    .acceleration_m_s2 = (float)wire->acceleration_um_s2 * 1e-6f,
                    .target_N = (float)wire->target_nm * 1e-6f,
                    .rate_N_s = (float)wire->rate_nm_s * 1e-6f,
+                   .deepest_m = wire->deepest_nm > 0 ? (float)wire->deepest_nm * 1e-9f : 1.0f,
                    .ticks = wire->duration_ms * (CONTROL_HZ / 1000),
                    .frequency_uHz = wire->frequency_mHz * 1000,
                    .cycles = wire->cycles};
@@ -221,14 +224,18 @@ static void begin_segment(trajectory *t) {
     t->start_m = t->now.position_m;
     t->tick = t->cycle = t->phase = 0;
     t->frequency_uHz = s->frequency_uHz;
-    t->wants = false;
+    t->wants = t->felt = false;
     t->wanted_N = t->sum_Ns = 0.0f;
+    t->smooth_N = t->measured_N;
+    t->far_ticks = t->swing_ticks = t->swings = 0;
+    t->side = 0;
     begin_stroke(t, s, t->start_m, s->target_m);
 }
 
 void trajectory_begin(trajectory *t, uint8_t count, float start_m) {
     t->count = count;
     t->current = 0;
+    t->fault = PALP_WIRE_FAULT_NONE;
     t->now = (reference){.position_m = start_m};
     if (count > 0)
         begin_segment(t);
@@ -285,24 +292,93 @@ static bool cycle_step(trajectory *t, const segment *s) {
 #define FORCE_W_S 12.0f
 #define FORCE_LATE 0.25f /* radians by which the sensor's delay may turn a wave of that frequency */
 
+/* With both poles at w an error of 1 goes as (1 - wt) exp(-wt): after a step of 4/w it is below 6 %, on a
+ * specimen of a tenth of the slope below half. So half of what is wanted is far, and 4/w is long. */
+#define FORCE_FAR 0.5f
+#define FORCE_STEP 4.0f
+#define FORCE_SMOOTH_TICKS 16.0f /* the mean that is far or not: a fifth of 1/w */
+/* Such an error changes its sign once; on a tenth of the slope it halves with each change. Six swings of a
+ * tenth of what is wanted, each within two periods of the loop, come from a loop that is not stable. */
+#define FORCE_SWING 0.1f
+#define FORCE_SWING_PERIODS 2.0f
+enum { FORCE_SWINGS = 6 };
+#define FORCE_SWING_COUNTS 2.0f /* of the encoder: by so much rounding moves the plate to and fro */
+/* So many counts at least are to lie within the newton over which the search measures a stiff slope: then
+ * their rounding spoils it by a tenth at most. */
+#define FORCE_LINE_COUNTS 4.0f
+
 float trajectory_force_w_s(float delay_s) {
     return FORCE_W_S * delay_s <= FORCE_LATE ? FORCE_W_S : FORCE_LATE / delay_s;
 }
 
+/* The loop answers white noise with a speed of 2 w noise / slope that changes by sqrt(2) times that from tick
+ * to tick: where the speed may not change so fast, the loop comes late. */
+bool trajectory_force_stable(const trajectory *t, float noise_N) {
+    const float jump_N_s = 1.414214f * 2.0f * t->force_w_s * noise_N;
+    return t->stiffness_N_m * (FORCE_MOST_M_S2 * TICK_S) >= jump_N_s &&
+           t->stiffness_N_m * FORCE_LINE_COUNTS * t->count_m <= CONTACT_FORCE_N;
+}
+
 /* A law that stiffens has at least the slope of its chord; the loop must not be faster than it is meant to.
  */
-static float slope_at(const trajectory *t) {
+float trajectory_slope(const trajectory *t) {
     const float depth = t->now.position_m, chord = depth > FORCE_SLOPE_M ? t->measured_N / depth : 0.0f;
     return chord > t->stiffness_N_m ? chord : t->stiffness_N_m;
 }
 
-/* Speed of the force that is wanted, N/s; true once it is there. */
+bool trajectory_forces(const trajectory *t) {
+    return t->current < t->count && t->list[t->current].kind == PALP_WIRE_SEGMENT_FORCE;
+}
+
+static float most_m_s(const trajectory *t) {
+    return FORCE_MOST_M_S < t->force_most_m_s ? FORCE_MOST_M_S : t->force_most_m_s;
+}
+
+/* What is far below tells nothing of the slope. */
+static bool is_far(const trajectory *t) {
+    return t->smooth_N < FORCE_FAR * t->wanted_N;
+}
+
+/* Speed of the force that is wanted, N/s; true once it is there. It asks for half of the speed that the plate
+ * may have, so that the loop has the other half. Before the specimen is felt no more is wanted than that. */
 static bool want(trajectory *t, const segment *s, float *rate_N_s) {
-    const float step = s->rate_N_s * TICK_S, way = s->target_N - t->wanted_N;
+    const float touch_N = t->touch_N < s->target_N ? t->touch_N : s->target_N;
+    const float fast_N_s = 0.5f * most_m_s(t) * trajectory_slope(t);
+    const float most_N_s = s->rate_N_s < fast_N_s ? s->rate_N_s : fast_N_s;
+    t->felt = t->felt || t->smooth_N >= FORCE_FAR * touch_N;
+    const float step = most_N_s * TICK_S, way = (t->felt ? s->target_N : touch_N) - t->wanted_N;
     const bool there = real_abs(way) <= step;
-    *rate_N_s = there ? 0.0f : way < 0.0f ? -s->rate_N_s : s->rate_N_s;
-    t->wanted_N = there ? s->target_N : t->wanted_N + *rate_N_s * TICK_S;
-    return there;
+    *rate_N_s = there ? 0.0f : way < 0.0f ? -most_N_s : most_N_s;
+    t->wanted_N += there ? way : *rate_N_s * TICK_S;
+    return there && t->felt;
+}
+
+static float larger(float x, float y) {
+    return x > y ? x : y;
+}
+
+/* What a stable loop on a specimen never does. */
+static void watch_force(trajectory *t, const segment *s) {
+    const float off_N = t->measured_N - t->wanted_N;
+    const float count_N = FORCE_SWING_COUNTS * t->count_m * trajectory_slope(t);
+    const float most_N = larger(FORCE_SWING * t->wanted_N, larger(t->touch_N, count_N));
+    const int8_t side = off_N > most_N ? 1 : off_N < -most_N ? -1 : 0;
+    const float period = 2.0f * REAL_PI / t->force_w_s * (float)CONTROL_HZ;
+    t->far_ticks = t->felt && is_far(t) ? t->far_ticks + 1 : 0;
+    t->swing_ticks++;
+    if ((float)t->swing_ticks > FORCE_SWING_PERIODS * period)
+        t->swings = 0;
+    if (side != 0 && side != t->side) {
+        t->side = side;
+        t->swings++;
+        t->swing_ticks = 0;
+    }
+    if ((float)t->far_ticks > FORCE_STEP / t->force_w_s * (float)CONTROL_HZ)
+        t->fault = PALP_WIRE_FAULT_CONTACT_LOST;
+    else if (t->swings >= FORCE_SWINGS)
+        t->fault = PALP_WIRE_FAULT_FORCE_OSCILLATES;
+    else if (t->now.position_m > s->deepest_m)
+        t->fault = PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE;
 }
 
 static void go(trajectory *t, float speed_m_s) {
@@ -313,10 +389,11 @@ static void go(trajectory *t, float speed_m_s) {
     t->now.position_m += t->now.velocity_m_s * TICK_S;
 }
 
-/* The plate's speed: what the wanted force asks of the slope, and a PI of what the force is off by. In the
- * air it goes to contact, and wants nothing yet. */
+/* The plate's speed: what the wanted force asks of the slope, and a PI of what the force is off by; while that
+ * is far it goes on as slowly as in the air. In the air it goes to contact, and wants nothing yet. */
 static bool force_step(trajectory *t, const segment *s) {
     float rate_N_s = 0.0f;
+    t->smooth_N += (t->measured_N - t->smooth_N) / FORCE_SMOOTH_TICKS;
     if (!t->wants)
         t->wanted_N = t->measured_N;
     t->wants = t->wants || t->now.position_m >= 0.0f || t->measured_N >= s->target_N;
@@ -328,10 +405,11 @@ static bool force_step(trajectory *t, const segment *s) {
         t->now.velocity_m_s = t->now.acceleration_m_s2 = 0.0f;
         return false;
     }
-    const float off_N = t->wanted_N - t->measured_N, w = t->force_w_s;
-    const float asked = (rate_N_s + 2.0f * w * off_N + w * w * t->sum_Ns) / slope_at(t);
-    const float most = FORCE_MOST_M_S < t->force_most_m_s ? FORCE_MOST_M_S : t->force_most_m_s;
-    const float speed = real_clamp(asked, -most, most);
+    watch_force(t, s);
+    const float off_N = t->wanted_N - t->measured_N, w = t->force_w_s, slope = trajectory_slope(t);
+    const float asked = (rate_N_s + 2.0f * w * off_N + w * w * t->sum_Ns) / slope, most = most_m_s(t);
+    const float slow = FORCE_AIR_M_S + real_abs(rate_N_s) / slope;
+    const float speed = real_clamp(asked, -most, is_far(t) && slow < most ? slow : most);
     if (speed == asked)
         t->sum_Ns += off_N * TICK_S;
     go(t, speed);

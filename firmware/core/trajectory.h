@@ -29,7 +29,7 @@ typedef struct segment {
     uint8_t kind;
     bool smooth; /* MOVE, CYCLE; half of the acceleration is then on average */
     float target_m, rate_m_s, acceleration_m_s2;
-    float target_N, rate_N_s; /* FORCE */
+    float target_N, rate_N_s, deepest_m; /* FORCE */
     uint32_t ticks;           /* HOLD, SINE, SWEEP; FORCE: at the target */
     uint32_t frequency_uHz;   /* SINE; SWEEP: where it starts */
     float octaves;            /* SWEEP: from there to its end */
@@ -50,7 +50,13 @@ typedef struct trajectory {
     float measured_N, stiffness_N_m; /* of the specimen at its surface */
     float wanted_N, sum_Ns;
     float force_w_s, force_most_m_s; /* how fast the loop is; the plate in it at most */
-    bool wants;                      /* it has begun, from the force that there was */
+    float touch_N, count_m;          /* so much is a specimen that is felt; a count of the encoder */
+    float smooth_N;                  /* measured_N, its mean over some ticks */
+    bool wants, felt;                /* it has begun, from the force that there was; felt since */
+    uint32_t far_ticks, swing_ticks; /* so long far below what is wanted; since the last swing */
+    int8_t side;                     /* of what is wanted, where the last swing went to */
+    uint8_t swings;
+    uint8_t fault; /* palp_wire_fault: why a FORCE cannot go on */
 } trajectory;
 
 /* Most that a segment may ask for: half of what the motor can do to the carriage; ten ticks a period. */
@@ -66,6 +72,12 @@ void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire)
 
 /* How fast the force's loop may be where the sensor is this late. */
 float trajectory_force_w_s(float delay_s);
+
+/* Whether the loop of a FORCE is stable on a specimen of its stiffness_N_m, with a sensor of this noise. */
+bool trajectory_force_stable(const trajectory *t, float noise_N);
+
+bool trajectory_forces(const trajectory *t); /* a FORCE is in progress */
+float trajectory_slope(const trajectory *t); /* of the specimen, N/m, as its loop believes it to be */
 
 /* Starts at rest at start_m with the first count segments. */
 void trajectory_begin(trajectory *t, uint8_t count, float start_m);

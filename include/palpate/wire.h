@@ -13,7 +13,7 @@ extern "C" {
 #endif
 
 /* The protocol's version, apart from the firmware's: raised when a message or its meaning changes. */
-enum { PALP_WIRE_VERSION = 2 };
+enum { PALP_WIRE_VERSION = 3 };
 
 enum {
     PALP_WIRE_CHANNELS = 6,       /* force sensor */
@@ -43,13 +43,15 @@ enum {
     X(ENCODER_JUMP, encoder_jump, "the position jumped by more than the plate can move in a tick") \
     X(HOST_TIMEOUT, host_timeout, "nothing was heard from the host")                               \
     X(STREAM_OVERFLOW, stream_overflow, "the host does not take the samples")                      \
-    X(COMMAND_OUT_OF_RANGE, command_out_of_range, "the reference leaves the travel")               \
+    X(COMMAND_OUT_OF_RANGE, command_out_of_range, "the reference leaves the travel or its segment's depth") \
     X(WATCHDOG_RESET, watchdog_reset, "the firmware hung and the watchdog restarted it")           \
     X(STACK_GUARD, stack_guard, "the stack overran its guard")                                     \
     X(EMERGENCY_STOP, emergency_stop, "the emergency stop was pressed")                            \
     X(ENCODER_LOST, encoder_lost, "the encoder has lost its signal")                               \
     X(DRIVER_FAULT, driver_fault, "the motor's driver has switched itself off")                    \
-    X(BROWN_OUT, brown_out, "the processor's supply fell too low")
+    X(BROWN_OUT, brown_out, "the processor's supply fell too low")                                 \
+    X(CONTACT_LOST, contact_lost, "the force stays far below what is wanted: contact is lost")     \
+    X(FORCE_OSCILLATES, force_oscillates, "the force swings about what is wanted")
 
 /* The answer to a command. */
 #define PALP_WIRE_RESULTS(X)                                                     \
@@ -62,7 +64,8 @@ enum {
     X(NOT_HOMED, "not homed yet")                                                \
     X(NO_CONTACT, "contact has not been found yet")                              \
     X(PERSISTS, "the fault's cause is still there")                              \
-    X(FULL, "no room left in its flash: restart the device")
+    X(FULL, "no room left in its flash: restart the device")                     \
+    X(UNSTABLE, "the specimen is too stiff or too soft for force control")
 
 /* clang-format on */
 
@@ -87,13 +90,23 @@ typedef enum palp_wire_result {
         PALP_WIRE_RESULT_COUNT
 } palp_wire_result;
 
+/* How the last search for contact ended. NO_AIR: it met the specimen before it had seen enough air. NO_SLOPE:
+ * a force was met, but noise hides whether it rises with depth. */
+#define PALP_WIRE_SEARCHES(X) X(NONE) X(FOUND) X(NOTHING) X(NO_AIR) X(NO_SLOPE)
+typedef enum palp_wire_search {
+#define PALP_WIRE_MEMBER(name) PALP_WIRE_SEARCH_##name,
+    PALP_WIRE_SEARCHES(PALP_WIRE_MEMBER)
+#undef PALP_WIRE_MEMBER
+        PALP_WIRE_SEARCH_COUNT
+} palp_wire_search;
+
 /* Kinds of a SEGMENT. Depths count from contact, positive into the specimen.
  * MOVE: to target at rate, corners rounded by at most acceleration. HOLD: for duration.
  * CYCLE: cycles times to target at rate and back to where the segment began.
  * SINE: cycles periods of frequency about where the segment began, amplitude = target.
  * SWEEP: the same with the frequency rising exponentially to frequency_end over duration.
  * FORCE: to a force, target in uN, at rate in uN/s, and holds it for duration; from the air to contact
- * first. */
+ * first; no deeper than deepest (0: than the travel). */
 #define PALP_WIRE_SEGMENT_KINDS(X) X(MOVE) X(HOLD) X(CYCLE) X(SINE) X(SWEEP) X(FORCE)
 typedef enum palp_wire_segment_kind {
 #define PALP_WIRE_MEMBER(name) PALP_WIRE_SEGMENT_##name,
@@ -148,7 +161,7 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
 #define PALP_WIRE_SEGMENT(F, A)                                                                          \
     F(u8, index) F(u8, kind) F(i32, target_nm) F(u32, rate_nm_s) F(u32, acceleration_um_s2) \
     F(u32, duration_ms) \
-    F(u32, frequency_mHz) F(u32, frequency_end_mHz) F(u16, cycles)
+    F(u32, frequency_mHz) F(u32, frequency_end_mHz) F(u16, cycles) F(i32, deepest_nm)
 /* Goes to start, rests there for air, follows the segments, withdraws to start, rests there for after;
  * all but the first is flagged RECORD. */
 #define PALP_WIRE_START(F, A) F(u8, segments) F(i32, start_nm) F(u32, air_ms) F(u32, after_ms)
@@ -172,7 +185,7 @@ enum { PALP_WIRE_GAINS_AUTO = 255 }; /* GAINS: the class follows from the measur
     F(i32, travel_nm) F(i32, force_uN) A(u8, board, PALP_WIRE_NAME) F(u32, serial)
 #define PALP_WIRE_STATUS(F, A)                                                                          \
     F(u32, tick) F(u8, state) F(u8, fault) F(u32, fault_tick) F(u8, homed) F(u8, contact_known) \
-    F(u8, softness) \
+    F(u8, search) F(u8, softness) \
     F(i32, position) F(i32, contact) F(u32, stiffness_mN_m) F(i32, force_uN) F(i16, case_cC) \
     F(i16, winding_cC) \
     F(u16, derating_permille) F(u32, missed_ticks) F(u32, bad_frames) F(u32, tick_cost) F(u16, stack_free)
