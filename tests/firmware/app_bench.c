@@ -204,6 +204,16 @@ palp_wire_message bench_move(uint8_t index, double to_mm, double rate_mm_s) {
     return m;
 }
 
+palp_wire_message bench_force(uint8_t index, double newton, double rate_N_s, uint32_t ms) {
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_SEGMENT};
+    m.as.segment = (palp_wire_segment){.index = index,
+                                       .kind = PALP_WIRE_SEGMENT_FORCE,
+                                       .target_nm = nm(newton),
+                                       .rate_nm_s = (uint32_t)nm(rate_N_s),
+                                       .duration_ms = ms};
+    return m;
+}
+
 palp_wire_message bench_hold(uint8_t index, uint32_t ms) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_SEGMENT};
     m.as.segment = (palp_wire_segment){.index = index, .kind = PALP_WIRE_SEGMENT_HOLD, .duration_ms = ms};

@@ -57,6 +57,7 @@ const palp_wire_message *bench_answer(const bench *b, uint8_t type);
 /* Commands with parameters. */
 palp_wire_message bench_find_contact(double rate_mm_s, double travel_mm);
 palp_wire_message bench_move(uint8_t index, double to_mm, double rate_mm_s);
+palp_wire_message bench_force(uint8_t index, double newton, double rate_N_s, uint32_t ms);
 palp_wire_message bench_hold(uint8_t index, uint32_t ms);
 palp_wire_message bench_start(uint8_t segments, double start_mm, uint32_t air_ms, uint32_t after_ms);
 palp_wire_message bench_limits(palp_wire_limits limits);

@@ -76,6 +76,26 @@ static void make_brown_out(bench *b) {
     bench_restart(b, APP_RESET_BROWN_OUT, 0);
 }
 
+/* Up to a newton, which it holds when it happens. */
+static void hold_force(bench *b) {
+    palp_wire_message force = bench_force(0, 1, 2, 30000), start = bench_start(1, -1, 0, 0);
+    assert_int_equal(bench_simple(b, PALP_WIRE_TYPE_STOP), PALP_WIRE_RESULT_DONE);
+    bench_until(b, PALP_WIRE_STATE_READY, 5000);
+    bench_accepted(b, &force);
+    bench_accepted(b, &start);
+    bench_run(b, 3000);
+}
+
+static void make_gone(bench *b) {
+    hold_force(b);
+    plant_inject(b->plant, PLANT_GONE);
+}
+
+static void make_shaken(bench *b) {
+    hold_force(b);
+    plant_inject(b->plant, PLANT_SHAKEN);
+}
+
 static const cause obstacle = {make_obstacle, lift_obstacle, 2, 2, false};
 static const cause shoved = {make_shoved, NULL, 20, 40, false};
 static const cause far_out = {make_far_out, NULL, 1, 1, false};
@@ -94,6 +114,8 @@ static const cause watchdog = {make_watchdog, NULL, 0, 0, false};
 static const cause brown_out = {make_brown_out, NULL, 0, 0, false};
 static const cause encoder = {make_encoder, lift_encoder, 3, 3, false};
 static const cause driver = {make_driver, lift_driver, 2, 2, false};
+static const cause gone = {make_gone, NULL, 3300, 6000, false};
+static const cause shaken = {make_shaken, NULL, 3300, 6000, false};
 static const cause stack_reset = {make_stack_reset, NULL, 0, 0, false};
 
 /* What makes a fault in a state; NULL: it cannot happen there. */
@@ -117,6 +139,8 @@ static const cause *const causes[PALP_WIRE_FAULT_COUNT][PALP_WIRE_STATE_COUNT] =
     ROW(ENCODER_LOST, NULL, &encoder, ALL(encoder)),
     ROW(DRIVER_FAULT, NULL, &driver, ALL(driver)),
     ROW(BROWN_OUT, &brown_out, &brown_out, ALL(brown_out)),
+    ROW(CONTACT_LOST, NULL, NULL, NULL, NULL, NULL, &gone),
+    ROW(FORCE_OSCILLATES, NULL, NULL, NULL, NULL, NULL, &shaken),
 };
 
 static bool restarts(uint8_t fault) {

@@ -9,16 +9,6 @@
 
 #include <cmocka.h>
 
-static palp_wire_message to_force(uint8_t index, double newton, double rate_N_s, uint32_t ms) {
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_SEGMENT};
-    m.as.segment = (palp_wire_segment){.index = index,
-                                       .kind = PALP_WIRE_SEGMENT_FORCE,
-                                       .target_nm = (int32_t)lrint(1e6 * newton),
-                                       .rate_nm_s = (uint32_t)lrint(1e6 * rate_N_s),
-                                       .duration_ms = ms};
-    return m;
-}
-
 static void open_soft(bench *b, double scale, uint64_t seed) {
     plant_settings s = plant_settings_default();
     s.scale = scale;
@@ -64,10 +54,10 @@ static void test_tracks_on_six_softnesses(void **state) {
     for (size_t i = 0; i < 6; i++) {
         for (int stiff = 0; stiff < 2; stiff++) { /* to about 2 and 6 mm of depth */
             const double target = (stiff ? 3.5 : 1.0) * scale[i];
-            palp_wire_message creep = to_force(0, target, target, 10000);
-            palp_wire_message steps[] = {to_force(0, 0.2 * target, 0.2 * target, 2000),
-                                         to_force(1, target, target, 3000),
-                                         to_force(2, 0.2 * target, target, 3000)};
+            palp_wire_message creep = bench_force(0, target, target, 10000);
+            palp_wire_message steps[] = {bench_force(0, 0.2 * target, 0.2 * target, 2000),
+                                         bench_force(1, target, target, 3000),
+                                         bench_force(2, 0.2 * target, target, 3000)};
             bench b;
             open_soft(&b, scale[i], 1 + i);
             bench_accepted(&b, &creep);
@@ -88,7 +78,7 @@ static void test_tracks_on_six_softnesses(void **state) {
 
 /* Turns at a force: no dwell there, and the way back begins. */
 static void test_turns_at_a_force(void **state) {
-    palp_wire_message up = to_force(0, 1.5, 1.5, 0), back = bench_move(1, 0, 5),
+    palp_wire_message up = bench_force(0, 1.5, 1.5, 0), back = bench_move(1, 0, 5),
                       start = bench_start(2, -0.5, 0, 0);
     double most = 0;
     bench b;
@@ -108,9 +98,9 @@ static void test_turns_at_a_force(void **state) {
 
 /* Refused: no force, more than the limit. Nothing there to press: the end of the travel stops it. */
 static void test_limits_of_force(void **state) {
-    palp_wire_message none = to_force(0, 0, 1, 100), backwards = to_force(0, -1, 1, 100),
-                      slow = to_force(0, 1, 0, 100), much = to_force(0, 24.1, 1, 100),
-                      some = to_force(0, 5, 5, 100), start = bench_start(1, -0.5, 0, 0);
+    palp_wire_message none = bench_force(0, 0, 1, 100), backwards = bench_force(0, -1, 1, 100),
+                      slow = bench_force(0, 1, 0, 100), much = bench_force(0, 24.1, 1, 100),
+                      some = bench_force(0, 5, 5, 100), start = bench_start(1, -0.5, 0, 0);
     palp_wire_message limits = bench_limits((palp_wire_limits){.force_uN = 4900000});
     bench b;
     (void)state;

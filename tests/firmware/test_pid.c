@@ -19,7 +19,7 @@ static void assert_near(double got, double wanted, double tolerance) {
 /* A tick of a machine without mass, drag and friction. */
 static double step(pid *p, const gains *g, float wanted_m, float position_m, float limit_N) {
     const reference to = {.position_m = wanted_m};
-    return (double)pid_step(p, g, &to, position_m, 0, 0, 0, 0, limit_N);
+    return (double)pid_step(p, g, g->feed_N_m, &to, position_m, 0, 0, 0, 0, limit_N);
 }
 
 /* ---- each term ---- */
@@ -31,9 +31,9 @@ static void test_feed_forward(void **state) {
     (void)state;
     pid_reset(&p);
     g.feed_N_m = 500;
-    assert_near((double)pid_step(&p, &g, &to, 0.01f, 0, 0.4f, 40, 0, 100), 0.4 * 0.25 + 40 * 0.005, 1e-6);
-    assert_near((double)pid_step(&p, &g, &to, 0.01f, 0.004f, 0.4f, 40, 0, 100), 0.1 + 0.2 + 2, 1e-6);
-    assert_near((double)pid_step(&p, &g, &to, 0.01f, -0.004f, 0.4f, 40, 0, 100), 0.1 + 0.2, 1e-6);
+    assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 0.01f, 0, 0.4f, 40, 0, 100), 0.4 * 0.25 + 40 * 0.005, 1e-6);
+    assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 0.01f, 0.004f, 0.4f, 40, 0, 100), 0.1 + 0.2 + 2, 1e-6);
+    assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 0.01f, -0.004f, 0.4f, 40, 0, 100), 0.1 + 0.2, 1e-6);
 }
 
 /* Full after 10 um of travel, kept at rest, turned round over 20 um. */
@@ -43,12 +43,12 @@ static void test_friction(void **state) {
     (void)state;
     pid_reset(&p);
     for (int i = 1; i <= 20; i++)
-        assert_near((double)pid_step(&p, &none, &to, 0, 0, 0, 0, 0.15f, 10), 0.15 * fmin(1, 0.1 * i), 1e-6);
+        assert_near((double)pid_step(&p, &none, none.feed_N_m, &to, 0, 0, 0, 0, 0.15f, 10), 0.15 * fmin(1, 0.1 * i), 1e-6);
     to.velocity_m_s = 0;
-    assert_near((double)pid_step(&p, &none, &to, 0, 0, 0, 0, 0.15f, 10), 0.15, 1e-6);
+    assert_near((double)pid_step(&p, &none, none.feed_N_m, &to, 0, 0, 0, 0, 0.15f, 10), 0.15, 1e-6);
     to.velocity_m_s = -1e-3f;
     for (int i = 1; i <= 30; i++)
-        assert_near((double)pid_step(&p, &none, &to, 0, 0, 0, 0, 0.15f, 10), 0.15 * fmax(-1, 1 - 0.1 * i),
+        assert_near((double)pid_step(&p, &none, none.feed_N_m, &to, 0, 0, 0, 0, 0.15f, 10), 0.15 * fmax(-1, 1 - 0.1 * i),
                     1e-6);
 }
 
@@ -136,7 +136,7 @@ static void test_windup_feed(void **state) {
     g.ki_N_ms = 1e5f;
     pid_reset(&p);
     for (int i = 0; i < 10; i++)
-        assert_near((double)pid_step(&p, &g, &to, 1e-4f, 0, 0, 40, 0, 10), 10, 0);
+        assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 1e-4f, 0, 0, 40, 0, 10), 10, 0);
     assert_near((double)p.integral_N, -0.1, 1e-5);
 }
 
@@ -149,7 +149,7 @@ static void test_recovers(void **state) {
     pid_reset(&p);
     for (int i = 0; i < 1500; i++) {
         const reference to = {.position_m = 0.01f};
-        double force = (double)pid_step(&p, g, &to, (float)x, 0, 0.4f, 40, 0, 10);
+        double force = (double)pid_step(&p, g, g->feed_N_m, &to, (float)x, 0, 0.4f, 40, 0, 10);
         for (int k = 0; k < 10; k++) {
             v += 1e-4 * (force - 40 * v) / 0.4;
             x += 1e-4 * v;

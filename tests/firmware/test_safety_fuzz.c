@@ -99,14 +99,14 @@ static palp_wire_message any_command(void) {
 /* ---- what happens to it ---- */
 
 static void lift_all(bench *b) {
-    for (int fault = 0; fault <= PLANT_DRIVER; fault++)
+    for (int fault = 0; fault <= PLANT_SHAKEN; fault++)
         plant_lift(b->plant, (plant_fault)fault);
     b->mute = b->stalled = b->unplugged = b->no_thermistor = b->switch_stuck = false;
 }
 
 /* All but heat, which takes minutes to go. */
 static void any_fault(bench *b) {
-    const plant_fault fault = (plant_fault)chance(PLANT_DRIVER + 1);
+    const plant_fault fault = (plant_fault)chance(PLANT_SHAKEN + 1);
     if (fault != PLANT_HOT)
         plant_inject(b->plant, fault);
     switch (chance(30)) {

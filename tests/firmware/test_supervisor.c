@@ -43,6 +43,8 @@ static const struct watch {
     {PALP_WIRE_FAULT_ENCODER_LOST, "..HDAUT.J"},
     {PALP_WIRE_FAULT_DRIVER_FAULT, "..HDAUT.J"},
     {PALP_WIRE_FAULT_BROWN_OUT, "B........"},
+    {PALP_WIRE_FAULT_CONTACT_LOST, ".....U..."},
+    {PALP_WIRE_FAULT_FORCE_OSCILLATES, ".....U..."},
 };
 
 static void test_every_event(void **state) {

@@ -9,6 +9,7 @@
 
 enum { SUBSTEPS = 20, JUMP_COUNTS = 5000 };
 static const double TICK = 1e-3, HOT_C = 120, DUTY_FULL = 32767;
+static const double SHAKEN = 0.5, SHAKEN_HZ = 5, PI = 3.14159265358979323846;
 static const double OBSTACLE = 0.98; /* of what the sensor can tell: over every limit, short of the rails */
 
 struct plant {
@@ -115,19 +116,25 @@ static double reach(const plant *p) {
     return p->plate_m - p->settings.contact_m;
 }
 
+/* Of the specimen on the plate. */
+static double load(const plant *p) {
+    return has(p, PLANT_GONE) ? 0 : p->specimen.force_N;
+}
+
 /* The plate within its play below the carriage: friction holds it, a larger force pushes it against the
  * carriage. */
 static void follow(plant *p) {
     const plant_actuator *a = &p->settings.actuator;
     double low = p->drive.carriage_m, high = low - a->backlash_m;
-    p->plate_m = p->specimen.force_N > a->coulomb_N ? high : fmin(fmax(p->plate_m, high), low);
+    p->plate_m = load(p) > a->coulomb_N ? high : fmin(fmax(p->plate_m, high), low);
 }
 
 /* What the model's sensor makes of the force, or the amplifier of what is harder. */
 static double read_force(const plant *p) {
     const palp_specimen_motion motion = {TICK * p->tick, p->drive.carriage_m - p->settings.contact_m,
                                          p->drive.velocity_m_s, p->push_m_s2};
-    double read_N = specimen_sense(&p->specimen, &motion) + p->put_N;
+    double read_N = (has(p, PLANT_GONE) ? 0 : specimen_sense(&p->specimen, &motion)) + p->put_N;
+    read_N *= has(p, PLANT_SHAKEN) ? 1 + SHAKEN * sin(2 * PI * SHAKEN_HZ * motion.time_s) : 1;
     return has(p, PLANT_OBSTACLE) ? fmax(read_N, OBSTACLE * sensor_range(&p->sensor)) : read_N;
 }
 
@@ -171,7 +178,7 @@ palp_status plant_step(plant *p, const plant_out *out, plant_in *in, palp_error 
         if (stepper)
             drive_step(a, &p->drive, steps_m_s, dt);
         else
-            drive_advance(a, &p->drive, supply, volt, p->specimen.force_N, dt);
+            drive_advance(a, &p->drive, supply, volt, load(p), dt);
         follow(p);
         if (!slow || i == SUBSTEPS)
             status = specimen_advance(&p->specimen, reach(p), slow ? TICK : dt);
@@ -192,7 +199,7 @@ plant_truth plant_look(const plant *p) {
                          .carriage_m = p->drive.carriage_m,
                          .velocity_m_s = p->drive.velocity_m_s,
                          .depth_m = reach(p) - p->specimen.compliance_m_N * p->specimen.force_N,
-                         .force_N = p->specimen.force_N,
+                         .force_N = load(p),
                          .winding_C = p->drive.winding_C,
                          .case_C = p->drive.case_C,
                          .current_A = p->drive.current_A};

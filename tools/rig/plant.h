@@ -69,7 +69,9 @@ typedef enum plant_fault {
     PLANT_JUMP,      /* the encoder jumps by 5000 counts */
     PLANT_EMERGENCY, /* the emergency stop is pressed */
     PLANT_ENCODER,   /* the encoder gives its alarm and counts no more */
-    PLANT_DRIVER     /* the motor's driver gives its alarm and no current */
+    PLANT_DRIVER,    /* the motor's driver gives its alarm and no current */
+    PLANT_GONE,      /* there is no specimen any more */
+    PLANT_SHAKEN     /* the force on the sensor swings by half of it, five times a second */
 } plant_fault;
 void plant_inject(plant *p, plant_fault fault);
 void plant_lift(plant *p, plant_fault fault);

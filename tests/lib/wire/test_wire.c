@@ -247,6 +247,9 @@ START_TEST(page_has_the_numbers_of_the_code) {
 #define RESULT(NAME, text) says_row(page, i++, #NAME, text);
     i = 0;
     PALP_WIRE_RESULTS(RESULT)
+#define SEARCH(NAME) says_row(page, i++, #NAME, "");
+    i = 0;
+    PALP_WIRE_SEARCHES(SEARCH)
 #define KIND(NAME) says_row(page, i++, #NAME, "");
     i = 0;
     PALP_WIRE_SEGMENT_KINDS(KIND)
