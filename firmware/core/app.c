@@ -91,8 +91,9 @@ static float drive(app *a) {
     const float driver_N = thermal_derating(&a->thermal, m) * m->current_A * m->force_constant_N_A;
     const float limit_N = driver_N < m->motor_N ? driver_N : m->motor_N;
     const gains *g = &a->gains[a->softness];
-    const float feed_N_m =
-        motion_follows(a) && trajectory_forces(&a->trajectory) ? trajectory_slope(&a->trajectory) : g->feed_N_m;
+    const float feed_N_m = motion_follows(a) && trajectory_forces(&a->trajectory)
+                               ? trajectory_slope(&a->trajectory)
+                               : g->feed_N_m;
     return pid_step(&a->pid, g, feed_N_m, &a->reference, a->position_m, depth_m, m->moving_kg,
                     m->motor_drag_Ns_m, m->friction_N, limit_N) /
            m->motor_N;

@@ -217,8 +217,8 @@ static uint8_t can_follow(const app *a, uint8_t segments, float start_m) {
     if (r.force_N > 0.0f && !trajectory_force_stable(&a->trajectory, contact_noise_N(&a->contact)))
         return PALP_WIRE_RESULT_UNSTABLE;
     return done_if(r.force_N <= a->limits.force_N && a->contact_m + r.low_m >= 0.0f &&
-           a->contact_m + r.high_m <= a->limits.travel_m && r.speed_m_s <= safe_m_s(a) &&
-           to_start_m_s <= safe_m_s(a));
+                   a->contact_m + r.high_m <= a->limits.travel_m && r.speed_m_s <= safe_m_s(a) &&
+                   to_start_m_s <= safe_m_s(a));
 }
 
 static uint8_t start(app *a, const palp_wire_start *asked) {

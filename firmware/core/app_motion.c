@@ -144,7 +144,8 @@ static void approach_step(app *a) {
     if (a->contact.phase == CONTACT_FOUND)
         contact_is_known(a);
     else if (a->contact.phase == CONTACT_MISSED || at_end)
-        a->search = a->contact.phase == CONTACT_MISSED ? a->contact.reason : (uint8_t)PALP_WIRE_SEARCH_NOTHING;
+        a->search =
+            a->contact.phase == CONTACT_MISSED ? a->contact.reason : (uint8_t)PALP_WIRE_SEARCH_NOTHING;
     if (a->contact.phase == CONTACT_FOUND || a->contact.phase == CONTACT_MISSED || at_end)
         (void)supervisor_take(&a->supervisor, SUPERVISOR_DONE);
 }

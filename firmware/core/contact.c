@@ -23,7 +23,8 @@ static contact_phase fit(contact *c, bool hard, bool over) {
     float xx = c->sum_xx - mean_x * c->sum_x, xf = c->sum_xf - mean_x * c->sum_f;
     float ff = c->sum_ff - mean_f * c->sum_f;
     if (c->n > 3.0f && xx > 1e-12f && xf > 0.0f) {
-        float slope = xf / xx, rest = ff - slope * xf, sds = hard || over ? CONTACT_LEAST_SD : CONTACT_SURE_SD;
+        float slope = xf / xx, rest = ff - slope * xf,
+              sds = hard || over ? CONTACT_LEAST_SD : CONTACT_SURE_SD;
         if (slope * xf * (c->n - 2.0f) > sds * sds * rest)
             return found(c, c->touched_m + mean_x - mean_f / slope, slope);
     }

@@ -35,7 +35,8 @@ float pid_step(pid *p, const gains *g, float feed_N_m, const reference *to, floa
                float moving_kg, float drag_Ns_m, float friction_N, float limit_N) {
     float error_m = to->position_m - position_m, change_N = g->ki_N_ms * error_m * TICK_S;
     float force_N = feed_forward(p, feed_N_m, to, depth_m, moving_kg, drag_Ns_m, friction_N) +
-                    g->kp_N_m * error_m + g->kd_Ns_m * slope(p, g->filter_Hz, error_m) + p->integral_N + change_N;
+                    g->kp_N_m * error_m + g->kd_Ns_m * slope(p, g->filter_Hz, error_m) + p->integral_N +
+                    change_N;
     float held_N = real_clamp(force_N, -limit_N, limit_N);
     if (force_N == held_N || (force_N > held_N) != (change_N > 0.0f))
         p->integral_N += change_N;

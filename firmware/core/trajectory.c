@@ -389,8 +389,8 @@ static void go(trajectory *t, float speed_m_s) {
     t->now.position_m += t->now.velocity_m_s * TICK_S;
 }
 
-/* The plate's speed: what the wanted force asks of the slope, and a PI of what the force is off by; while that
- * is far it goes on as slowly as in the air. In the air it goes to contact, and wants nothing yet. */
+/* The plate's speed: what the wanted force asks of the slope, and a PI of what the force is off by; while
+ * that is far it goes on as slowly as in the air. In the air it goes to contact, and wants nothing yet. */
 static bool force_step(trajectory *t, const segment *s) {
     float rate_N_s = 0.0f;
     t->smooth_N += (t->measured_N - t->smooth_N) / FORCE_SMOOTH_TICKS;

@@ -30,9 +30,9 @@ typedef struct segment {
     bool smooth; /* MOVE, CYCLE; half of the acceleration is then on average */
     float target_m, rate_m_s, acceleration_m_s2;
     float target_N, rate_N_s, deepest_m; /* FORCE */
-    uint32_t ticks;           /* HOLD, SINE, SWEEP; FORCE: at the target */
-    uint32_t frequency_uHz;   /* SINE; SWEEP: where it starts */
-    float octaves;            /* SWEEP: from there to its end */
+    uint32_t ticks;                      /* HOLD, SINE, SWEEP; FORCE: at the target */
+    uint32_t frequency_uHz;              /* SINE; SWEEP: where it starts */
+    float octaves;                       /* SWEEP: from there to its end */
     uint32_t cycles; /* whole periods; a SWEEP's fit into its duration, and it rests for what is left */
 } segment;
 

@@ -166,28 +166,48 @@ static void test_saved(void **state) {
     bench_close(&b);
 }
 
-/* Values that this firmware does not take, and flash that is cut short of it. */
-static void test_other_records(void **state) {
-    static bench b;
+/* A record of so many values of which all are as compiled in but travel, and one more. */
+static void store_record(bench *b, uint32_t n, uint8_t travel, uint8_t other, float value) {
     uint32_t at, word;
     store s;
+    uint32_t values[STORE_VALUES];
+    for (uint8_t id = 0; id < n; id++)
+        values[id] = parameter(b, id).standard;
+    values[travel] = bits_of(0.02f);
+    values[other] = bits_of(value);
+    store_open(&s, flash);
+    assert_true(store_begin(&s, n));
+    while (store_step(&s, values[store_wants(&s)], &at, &word))
+        flash[at] = word;
+    bench_restart(b, APP_RESET_POWER, 0);
+    app_load(&b->app, flash);
+}
+
+/* A record of fewer values than this firmware has is taken. One with a single value that it does not take is
+ * damaged as a whole: nothing of it is used, and what is compiled in is told as such, until it is saved. */
+static void test_other_records(void **state) {
+    static bench b;
     (void)state;
     open_idle(&b);
-    const uint8_t travel = named(&b, "travel_m");
-    store_open(&s, flash);
-    assert_true(store_begin(&s, travel + 1u));
-    while (store_step(&s, bits_of(store_wants(&s) == travel ? 0.02f : -1.0f), &at, &word))
-        flash[at] = word;
-    bench_restart(&b, APP_RESET_POWER, 0);
-    app_load(&b.app, flash);
-    const palp_wire_configuration now = configuration(&b);
-    assert_int_equal(now.source, 1);
-    assert_true(now.bad > 0);
+    const uint8_t travel = named(&b, "travel_m"), friction = named(&b, "friction_N"),
+                  n = configuration(&b).parameters;
+    store_record(&b, travel + 1u, travel, 0, 20000);
+    assert_int_equal(configuration(&b).source, 1);
     assert_true(number_of(parameter(&b, travel).value) == 0.02f);
-    for (uint8_t id = 0; id < now.parameters; id++) {
-        const palp_wire_parameter p = parameter(&b, id);
-        assert_true(number_of(p.value) >= number_of(p.low) && number_of(p.value) <= number_of(p.high));
+    for (int kind = 0; kind < 3; kind++) {
+        store_record(&b, n, travel, friction, kind == 0 ? -1.0f : kind == 1 ? NAN : 20.1f);
+        const palp_wire_configuration now = configuration(&b);
+        assert_int_equal(now.source, 2);
+        assert_int_equal(now.bad, 1);
+        assert_int_equal(now.stored_id, 0);
+        for (uint8_t id = 0; id < n; id++)
+            assert_int_equal(parameter(&b, id).value, parameter(&b, id).standard);
     }
+    assert_int_equal(bench_simple(&b, PALP_WIRE_TYPE_SAVE), PALP_WIRE_RESULT_DONE);
+    flash[b.out.store_at] &= b.out.store_word;
+    while (b.app.store.writing)
+        tick(&b);
+    assert_int_equal(configuration(&b).source, 1);
     bench_close(&b);
 }
 

@@ -31,8 +31,10 @@ static void test_feed_forward(void **state) {
     (void)state;
     pid_reset(&p);
     g.feed_N_m = 500;
-    assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 0.01f, 0, 0.4f, 40, 0, 100), 0.4 * 0.25 + 40 * 0.005, 1e-6);
-    assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 0.01f, 0.004f, 0.4f, 40, 0, 100), 0.1 + 0.2 + 2, 1e-6);
+    assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 0.01f, 0, 0.4f, 40, 0, 100),
+                0.4 * 0.25 + 40 * 0.005, 1e-6);
+    assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 0.01f, 0.004f, 0.4f, 40, 0, 100), 0.1 + 0.2 + 2,
+                1e-6);
     assert_near((double)pid_step(&p, &g, g.feed_N_m, &to, 0.01f, -0.004f, 0.4f, 40, 0, 100), 0.1 + 0.2, 1e-6);
 }
 
@@ -43,13 +45,14 @@ static void test_friction(void **state) {
     (void)state;
     pid_reset(&p);
     for (int i = 1; i <= 20; i++)
-        assert_near((double)pid_step(&p, &none, none.feed_N_m, &to, 0, 0, 0, 0, 0.15f, 10), 0.15 * fmin(1, 0.1 * i), 1e-6);
+        assert_near((double)pid_step(&p, &none, none.feed_N_m, &to, 0, 0, 0, 0, 0.15f, 10),
+                    0.15 * fmin(1, 0.1 * i), 1e-6);
     to.velocity_m_s = 0;
     assert_near((double)pid_step(&p, &none, none.feed_N_m, &to, 0, 0, 0, 0, 0.15f, 10), 0.15, 1e-6);
     to.velocity_m_s = -1e-3f;
     for (int i = 1; i <= 30; i++)
-        assert_near((double)pid_step(&p, &none, none.feed_N_m, &to, 0, 0, 0, 0, 0.15f, 10), 0.15 * fmax(-1, 1 - 0.1 * i),
-                    1e-6);
+        assert_near((double)pid_step(&p, &none, none.feed_N_m, &to, 0, 0, 0, 0, 0.15f, 10),
+                    0.15 * fmax(-1, 1 - 0.1 * i), 1e-6);
 }
 
 static void test_proportional(void **state) {
