@@ -31,6 +31,7 @@ typedef enum acquire_kind {
 typedef struct acquire_motion {
     double depth_mm, rate_mm_s, ramp_s, hold_s, cycles;
     double amplitude_mm, frequency_Hz, frequency_end_Hz, duration_s; /* waves about the depth */
+    double deepest_mm; /* of a force; the specimen's height, if known, where it is not given */
     double acceleration_mm_s2, air_mm, air_s, after_s, rest_s;
 } acquire_motion;
 
@@ -48,6 +49,7 @@ typedef struct acquire_motion {
     X(frequency_Hz, ACQUIRE_WAVES, false, 1000)                                                              \
     X(frequency_end_Hz, 1 << ACQUIRE_SWEEP, false, 1000)                                                     \
     X(duration_s, 1 << ACQUIRE_SWEEP, false, 1e6)                                                            \
+    X(deepest_mm, 1 << ACQUIRE_SEGMENTS, false, 1000)                                                        \
     X(acceleration_mm_s2, ACQUIRE_ALL, false, 1e6)                                                           \
     X(air_mm, ACQUIRE_ALL, true, 1000)                                                                       \
     X(air_s, ACQUIRE_ALL, true, 1e6)                                                                         \
@@ -230,12 +232,12 @@ typedef struct acquire_options {
     const char *command;            /* whose session it is, for messages */
     const char *port, *where, *out; /* as given; what link_open takes */
     int baud;
-    const char *specimen, *specimen_kind;               /* name and kind, or NULL */
-    double height_mm, radius_mm;                        /* 0 = not given */
-    const char *protocol;                               /* its file's name, or NULL */
-    double contact_N, limit_N, limit_C, host_timeout_s; /* limits: 0 = the device's own */
-    double reconnect_s;                                 /* a link that broke is waited for so long */
-    int gains;                                          /* class, or PALP_WIRE_GAINS_AUTO */
+    const char *specimen, *specimen_kind;                         /* name and kind, or NULL */
+    double height_mm, radius_mm;                                  /* 0 = not given */
+    const char *protocol;                                         /* its file's name, or NULL */
+    double contact_N, limit_N, limit_mm, limit_C, host_timeout_s; /* limits: 0 = the device's own */
+    double reconnect_s; /* a link that broke is waited for so long */
+    int gains;          /* class, or PALP_WIRE_GAINS_AUTO */
     bool keep_contact, force, live;
     unsigned columns; /* ACQUIRE_RAW and its like */
     int trigger_in;   /* PALP_WIRE_TRIGGER_* */

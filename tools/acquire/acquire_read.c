@@ -69,7 +69,8 @@ static bool needed(size_t form, const char *key) {
     for (size_t i = 0; i < 3; i++)
         if (forms[form].needs[i] && strcmp(forms[form].needs[i], key) == 0)
             return true;
-    return strcmp(key, "acceleration_mm_s2") == 0 || strcmp(key, forms[form].key) == 0;
+    return strcmp(key, "acceleration_mm_s2") == 0 || strcmp(key, forms[form].key) == 0 ||
+           (strcmp(key, "deepest_mm") == 0 && forms[form].kind == PALP_WIRE_SEGMENT_FORCE);
 }
 
 static int read_segment_keys(const acquire_json *j, const char *where, const json_t *object, size_t form,
@@ -101,6 +102,7 @@ static int read_segment(const acquire_json *j, const char *where, const json_t *
         return acquire_json_fail(j, where,
                                  "needs one of move_to_mm, hold_s, cycle_to_mm, sine_mm, sweep_mm, force_N");
     m.acceleration_mm_s2 = r->motion.acceleration_mm_s2;
+    m.deepest_mm = r->motion.deepest_mm;
     int code = read_segment_keys(j, where, object, form, &m);
     if (code)
         return code;

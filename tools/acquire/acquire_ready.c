@@ -15,6 +15,7 @@ static outcome set_limits(session *s) {
     /* a simulated device may run many times faster than the clock by which we tell it that we are there */
     double host_s = o->host_timeout_s > 0 ? o->host_timeout_s : s->device.info.simulated ? 60 : 0;
     limits->force_uN = (int32_t)lrint(1e6 * o->limit_N);
+    limits->travel_nm = (int32_t)lrint(1e6 * o->limit_mm);
     limits->temperature_cC = (int16_t)lrint(1e2 * o->limit_C);
     limits->host_timeout_ms = (uint16_t)lrint(1e3 * host_s);
     outcome end = session_order(s, &m, "set its limits");
@@ -103,24 +104,40 @@ outcome session_tare(session *s) {
     return end ? end : session_read_scale(s);
 }
 
+/* Why the search has found none, as the device says. */
+static outcome say_no_contact(session *s, double travel_mm) {
+    switch (s->device.status.search) {
+    case PALP_WIRE_SEARCH_NO_AIR:
+        return session_fail(s,
+                            "contact: a force was met at once: is the plate in the specimen already? Move it "
+                            "up, or the specimen down");
+    case PALP_WIRE_SEARCH_NO_SLOPE:
+        return session_fail(s,
+                            "contact: a force of %g N was met, but the sensor's noise hides whether it rises "
+                            "with depth: the specimen is too soft for this sensor, or the sensor drifts",
+                            s->options->contact_N);
+    default:
+        return session_fail(s, "no contact in %g mm of travel: is a specimen under the plate?", travel_mm);
+    }
+}
+
 outcome session_find_contact(session *s) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_FIND_CONTACT};
-    double travel_mm = 1e-6 * s->device.info.travel_nm;
+    double travel_mm = 1e-6 * s->limits.travel_nm;
     m.as.find_contact.rate_nm_s = (uint32_t)lrint(1e6 * SEEK_MM_S);
     m.as.find_contact.force_uN = (int32_t)lrint(1e6 * s->options->contact_N);
-    m.as.find_contact.travel_nm = s->device.info.travel_nm;
+    m.as.find_contact.travel_nm = s->limits.travel_nm;
     snprintf(s->doing, sizeof s->doing, "finding contact");
     outcome end = session_order(s, &m, "find contact");
     end = end ? end : session_settle(s, travel_mm / SEEK_MM_S + 60);
     if (end == GOES_ON && !s->device.status.contact_known)
-        end = session_fail(s, "no contact in %g mm of travel: is a specimen under the plate?", travel_mm);
+        return say_no_contact(s, travel_mm);
     return end;
 }
 
 /* What the device would refuse, or stop for, an hour later. */
 outcome session_check_run(session *s, const acquire_run *r) {
-    double above_mm = s->scale.count_mm * s->scale.contact,
-           below_mm = 1e-6 * s->device.info.travel_nm - above_mm;
+    double above_mm = s->scale.count_mm * s->scale.contact, below_mm = 1e-6 * s->limits.travel_nm - above_mm;
     outcome end = session_segments(s, r);
     if (end == GOES_ON && r->deepest_mm > below_mm)
         end = session_fail(s, "%s goes to %g mm, but the plate's travel ends %.2f mm below contact", r->name,

@@ -55,6 +55,12 @@ static outcome start_run(session *s) {
     m.as.start.after_ms = (uint32_t)lrint(1e3 * a->after_s);
     outcome end = session_segments(s, s->run);
     end = end ? end : session_order(s, &m, "start the run");
+    if (end == FAILED && s->device.refusal == PALP_WIRE_RESULT_UNSTABLE)
+        return session_fail(
+            s,
+            "the device refuses %s: control of force is not stable on the %.3g N/m that were found "
+            "(doc/control.md has the range)",
+            s->run->name, 1e-3 * s->device.status.stiffness_mN_m);
     return end == FAILED && s->device.refusal == PALP_WIRE_RESULT_RANGE ? out_of_range(s) : end;
 }
 

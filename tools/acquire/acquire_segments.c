@@ -32,7 +32,8 @@ static bool add_force(acquire_run *r, double force_N, const acquire_motion *m) {
                              .kind = PALP_WIRE_SEGMENT_FORCE,
                              .target_nm = (int32_t)lrint(1e6 * force_N),
                              .rate_nm_s = whole(1e6 * force_N / m->ramp_s),
-                             .duration_ms = whole(1e3 * m->duration_s)};
+                             .duration_ms = whole(1e3 * m->duration_s),
+                             .deepest_nm = isnan(m->deepest_mm) ? 0 : (int32_t)lrint(1e6 * m->deepest_mm)};
     r->press_s += duration_s(PALP_WIRE_SEGMENT_FORCE, fmax(-r->at_mm, 0), m);
     r->at_mm = fmax(r->at_mm, 0);
     r->deepest_mm = fmax(r->deepest_mm, 0);

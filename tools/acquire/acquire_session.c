@@ -2,6 +2,7 @@
 #define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #include "acquire_session.h"
 
+#include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -9,6 +10,8 @@
 
 /* Wall clock: no samples for so long makes us ask why, nothing heard at all makes us give up. */
 static const double ASK_S = 1, SILENT_S = 10;
+
+static const double DEEPEST_MM = 1000; /* more than any travel */
 
 enum { LISTEN_MS = 50, QUIET_MS = 10 };
 
@@ -130,10 +133,13 @@ outcome session_status(session *s) {
     return end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT ? faulted(s) : end;
 }
 
+/* A force whose deepest place is not given stays within the specimen, where its height is known. */
 outcome session_segments(session *s, const acquire_run *r) {
     outcome end = GOES_ON;
     for (size_t i = 0; i < r->n_segments && end == GOES_ON; i++) {
         palp_wire_message m = {.type = PALP_WIRE_TYPE_SEGMENT, .as.segment = r->segment[i]};
+        if (r->segment[i].kind == PALP_WIRE_SEGMENT_FORCE && r->segment[i].deepest_nm == 0)
+            m.as.segment.deepest_nm = (int32_t)lrint(1e6 * fmin(s->options->height_mm, DEEPEST_MM));
         char what[ACQUIRE_NAME + 64];
         snprintf(what, sizeof what, "take segment %zu of %s", i + 1, r->name);
         end = session_order(s, &m, what);

@@ -29,6 +29,8 @@ size_t acquire_setup_device(acquire_setup *u, cli_option *list) {
         cli_flag("keep-contact", &o->keep_contact, "keep the contact and home that the device knows"),
         cli_positive("limit-force-N", "F", 1000, &o->limit_N,
                      "stop at this force (default: the device's limit)"),
+        cli_positive("limit-travel-mm", "MM", 1000, &o->limit_mm,
+                     "go no lower than MM below home (default: the device's travel)"),
         cli_positive("limit-winding-C", "T", 300, &o->limit_C,
                      "stop at this temperature of the motor (likewise)"),
         cli_number("host-timeout-s", "S", 0.1, 60, &o->host_timeout_s,

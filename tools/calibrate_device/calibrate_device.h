@@ -11,7 +11,7 @@ enum { MACHINE_WORDS = 64 };
 
 typedef struct machine_options {
     acquire_setup setup;
-    bool json, yes, hanging;
+    bool json, yes, hanging, large_change;
     acquire_plan *plan; /* the session's, for the step to fill */
     cli_list weights_g;
     size_t channel; /* of the sensor, from 1, that is calibrated alone; 0: all by their matrix */

@@ -28,6 +28,8 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
         cli_numbers("weights-g", "G,G,...", 1e5, &o->weights_g,
                     "masses that are put on the sensor one after the other"),
         cli_flag("hanging", &o->hanging, "they hang from the plate (default: they lie on it, turned up)"),
+        cli_flag("large-change", &o->large_change,
+                 "keep a sensitivity more than 20 % from the one in use: the masses are right"),
         cli_count("channel", "1..6", 1, 6, &o->channel,
                   "only this input has a sensor, a load cell (default: all six, by their matrix)"),
         cli_positive("gravity-m-s2", "G", 20, &o->gravity_m_s2, "where the device stands (default 9.80665)"),

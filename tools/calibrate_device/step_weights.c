@@ -8,18 +8,23 @@ static const char NAME[] = MACHINE_NAME;
 
 enum { STATIONS = 34 };
 
+/* A sensitivity so many times that in use, or so much less, is more often a wrong mass than a new sensor. */
+static const double LARGE = 1.2;
+
 static const double SETTLE_S = 0.5, STANDARD_GRAVITY = 9.80665, UNSEEN = 0.2;
 
 /* What the sensor read with one mass on it. */
 typedef struct station {
     double force_N, mean, sd, n;
+    double read_N; /* by the matrix in use */
 } station;
 
 typedef struct weighing {
     const machine_options *o;
     session *s;
     machine_trace *trace;
-    double row[PALP_WIRE_CHANNELS]; /* by which counts are added up: the one in use, or one channel */
+    double used[PALP_WIRE_CHANNELS]; /* the row in use */
+    double row[PALP_WIRE_CHANNELS];  /* by which counts are added up: that, or one channel */
     size_t n;
     station station[STATIONS];
 } weighing;
@@ -31,7 +36,7 @@ static double gravity(const machine_options *o) {
 /* Averages what comes; the reading counts as a row's sum of counts. */
 static outcome measure(weighing *w, station *at) {
     machine_trace *t = w->trace;
-    double sum = 0, square = 0;
+    double sum = 0, square = 0, used = 0;
     t->n = 0;
     outcome end = session_stream(w->s, true);
     end = end ? end : session_wait(w->s, SETTLE_S);
@@ -41,8 +46,10 @@ static outcome measure(weighing *w, station *at) {
     end = end ? end : session_stream(w->s, false);
     for (size_t i = 0; i < t->n; i++) {
         double y = 0;
-        for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
+        for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++) {
             y += w->row[c] * t->list[i].adc[c];
+            used += w->used[c] * t->list[i].adc[c];
+        }
         if (t->list[i].flags & PALP_WIRE_FLAG_SENSOR_BAD)
             return end ? end : session_fail(w->s, "the sensor gives no reading with %g N on it", at->force_N);
         sum += y;
@@ -50,6 +57,7 @@ static outcome measure(weighing *w, station *at) {
     }
     at->n = (double)t->n;
     at->mean = sum / at->n;
+    at->read_N = used / at->n;
     at->sd = sqrt(fmax(0, square / at->n - at->mean * at->mean));
     return end || t->n > 1 ? end : session_fail(w->s, "no samples came");
 }
@@ -109,6 +117,25 @@ static bool fit(const weighing *w, weighed *r) {
     return slope > 0 && c[1].half < UNSEEN * slope;
 }
 
+/* What the largest mass reads as with the matrix in use, of what it is. A wrong mass makes this wrong and
+ * nothing else, the line stays straight: only who put it there can tell. */
+static int check_change(const weighing *w) {
+    const station *most = w->station;
+    for (size_t i = 1; i < w->n; i++)
+        most = fabs(w->station[i].force_N) > fabs(most->force_N) ? &w->station[i] : most;
+    const double ratio = (most->read_N - w->station[0].read_N) / most->force_N;
+    if ((ratio > 1 / LARGE && ratio < LARGE) || w->o->large_change)
+        return CLI_OK;
+    cli_warning(NAME, "with the calibration in use %.4g N read as %.4g N: that is more than 20 %% off",
+                most->force_N, ratio * most->force_N);
+    if (w->o->yes)
+        return cli_failure(NAME,
+                           "nothing is changed: see that the masses are as named; --large-change keeps it");
+    return machine_agrees(w->o, "Are the masses as named, and is it to be changed by so much?")
+               ? CLI_OK
+               : cli_failure(NAME, "nothing is changed");
+}
+
 /* The row in use divided by the slope; the sign with it. */
 static int keep(const weighing *w, const weighed *r, const device_parameters *p) {
     machine_change change[PALP_WIRE_CHANNELS + 3];
@@ -119,7 +146,8 @@ static int keep(const weighing *w, const weighed *r, const device_parameters *p)
     change[n++] = (machine_change){device_parameter_find(p, "sensitivity_sd", 0),
                                    r->slope.half / machine_student(w->n - 2) / fabs(r->slope.value)};
     change[n++] = (machine_change){device_parameter_find(p, "calibration_day", 0), machine_today()};
-    return machine_change_all(w->o, &w->s->device, n, change);
+    const int code = check_change(w);
+    return code ? code : machine_change_all(w->o, &w->s->device, n, change);
 }
 
 static void tell(const weighing *w, const weighed *r, machine_result *result) {
@@ -144,8 +172,10 @@ int step_weights(const machine_options *o, session *s) {
     device_result read = code ? DEVICE_OK : device_parameters_read(&s->device, DEVICE_PARAMETERS, &p);
     if (code || read)
         return code ? code : machine_failure(&s->device, read);
-    for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++)
-        w.row[c] = o->channel ? c + 1 == o->channel : device_parameter_value(&p, "Fz_N", c);
+    for (size_t c = 0; c < PALP_WIRE_CHANNELS; c++) {
+        w.used[c] = device_parameter_value(&p, "Fz_N", c);
+        w.row[c] = o->channel ? c + 1 == o->channel : w.used[c];
+    }
     s->watcher = (session_watcher){machine_trace_heard, NULL, NULL, &trace};
     code = machine_ended(s, weigh_all(&w));
     s->watcher = (session_watcher){NULL, NULL, NULL, NULL};

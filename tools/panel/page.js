@@ -338,6 +338,7 @@ const F = { /* key: [label, default shown] */
   depth_mm: ["Depth (mm)", ""], rate_mm_s: ["Speed (mm/s)", ""], ramp_s: ["Ramp (s)", "1"], hold_s: ["Hold (s)", ""], cycles: ["Cycles", ""],
   amplitude_mm: ["Amplitude (mm)", "depth / 10"], frequency_Hz: ["Frequency (Hz)", ""], frequency_end_Hz: ["up to (Hz)", "10"], duration_s: ["Duration (s)", ""],
   force_N: ["Force (N)", ""], pre_mm: ["Pre-indentation (mm)", "0"], pre_s: ["held for (s)", "5"],
+  deepest_mm: ["No deeper than (mm)", ""],
 };
 const kinds = { /* [label, fields with the value they begin with, or its default as a shade] */
   ramp_hold: ["Ramp and hold", { depth_mm: "3", ramp_s: ":1", hold_s: "20", pre_mm: ":0", pre_s: ":5" }],
@@ -345,7 +346,7 @@ const kinds = { /* [label, fields with the value they begin with, or its default
   cyclic: ["Cycles", { depth_mm: "3", rate_mm_s: ":1", cycles: ":3", pre_mm: ":0", pre_s: ":5" }],
   sine: ["Sine", { depth_mm: "3", rate_mm_s: ":1", hold_s: ":10", amplitude_mm: ":depth / 10", frequency_Hz: ":1", cycles: ":10" }],
   sweep: ["Sweep", { depth_mm: "3", rate_mm_s: ":1", hold_s: ":10", amplitude_mm: ":depth / 10", frequency_Hz: ":0.1", frequency_end_Hz: ":10", duration_s: ":60" }],
-  creep: ["Creep (a force held)", { force_N: "0.5", ramp_s: "1", duration_s: "60", pre_mm: ":0", pre_s: ":5" }],
+  creep: ["Creep (a force held)", { force_N: "0.5", ramp_s: "1", duration_s: "60", deepest_mm: ":the specimen's height", pre_mm: ":0", pre_s: ":5" }],
   segments: ["Segments", {}],
   free: ["In the air", { depth_mm: ":0", ramp_s: ":1", hold_s: ":10" }],
   file: ["The protocol file below", {}],
@@ -354,7 +355,7 @@ const common = { name: ["Name of the file", "by kind and depth"], repeats: ["Tim
 const segmentKinds = { /* what names it: the other figures */
   move_to_mm: ["go to (mm)", { rate_mm_s: "at (mm/s)" }], hold_s: ["hold (s)", {}], cycle_to_mm: ["cycle to (mm)", { rate_mm_s: "at (mm/s)", cycles: "times" }],
   sine_mm: ["sine of (mm)", { frequency_Hz: "Hz", cycles: "periods" }], sweep_mm: ["sweep of (mm)", { frequency_Hz: "from Hz", frequency_end_Hz: "to Hz", duration_s: "in s" }],
-  force_N: ["force of (N)", { ramp_s: "reached in (s)", duration_s: "held (s)" }],
+  force_N: ["force of (N)", { ramp_s: "reached in (s)", duration_s: "held (s)", deepest_mm: "no deeper (mm)" }],
 };
 let segments = [{ move_to_mm: "1", rate_mm_s: "5" }, { hold_s: "15" }, { move_to_mm: "2", rate_mm_s: "5" }, { hold_s: "15" }];
 let planGood = false, planning = null, timer = 0;
@@ -415,7 +416,7 @@ function preIndented(kind, run) {
   if (kind === "ramp_hold") list.push({ move_to_mm: run.depth_mm, rate_mm_s: Math.abs(run.depth_mm - pre) / ramp_s }, { hold_s: run.hold_s === undefined ? 200 : run.hold_s });
   else if (kind === "static") list.push({ move_to_mm: run.depth_mm, rate_mm_s: run.rate_mm_s === undefined ? 0.1 : run.rate_mm_s });
   else if (kind === "cyclic") list.push({ cycle_to_mm: run.depth_mm, rate_mm_s: run.rate_mm_s === undefined ? 1 : run.rate_mm_s, cycles: run.cycles === undefined ? 3 : run.cycles });
-  else list.push({ force_N: run.force_N, ramp_s, duration_s: run.duration_s });
+  else list.push({ ...run, ramp_s });
   return { kind: "segments", name: `${kind}_from_${pre}mm`, segments: list };
 }
 
@@ -424,7 +425,7 @@ function oneRun(kind, depth) {
   if (depth !== "") figures.depth_mm = number(depth);
   if (kinds[kind][1].pre_mm && Number(field("pre_mm")) > 0) return preIndented(kind, figures);
   if (kind === "creep") return { kind: "segments", name: `creep_${figures.force_N}N`, segments: [figures] };
-  if (kind === "segments") return { kind, segments: segments.map(s => Object.fromEntries(Object.entries(s).map(([k, v]) => [k, number(String(v))]))) };
+  if (kind === "segments") return { kind, segments: segments.map(s => Object.fromEntries(Object.entries(s).filter(e => e[1] !== "").map(([k, v]) => [k, number(String(v))]))) };
   return { kind, ...figures };
 }
 

@@ -123,7 +123,7 @@ static const char *advise(uint8_t fault) {
         [PALP_WIRE_FAULT_STREAM_OVERFLOW] =
             "This computer was too slow for the samples. Close other programs, then clear the fault.",
         [PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE] =
-            "The stimulus leaves the travel. Clear the fault; press less deep.",
+            "The stimulus leaves the travel, or a force its deepest place. Clear the fault; press less deep.",
         [PALP_WIRE_FAULT_WATCHDOG_RESET] =
             "The firmware restarted. Clear the fault and home the plate; please report it.",
         [PALP_WIRE_FAULT_STACK_GUARD] =
@@ -136,6 +136,10 @@ static const char *advise(uint8_t fault) {
             "The motor's driver is too hot or short-circuited. See to it, then clear the fault.",
         [PALP_WIRE_FAULT_BROWN_OUT] =
             "See to the processor's supply; then clear the fault and home the plate.",
+        [PALP_WIRE_FAULT_CONTACT_LOST] =
+            "See whether the specimen still lies under the plate. Clear the fault, then find contact again.",
+        [PALP_WIRE_FAULT_FORCE_OSCILLATES] =
+            "See whether something shakes the specimen. Clear the fault, then find contact again.",
     };
     return fault < PALP_WIRE_FAULT_COUNT && advice[fault] ? advice[fault] : "";
 }
