@@ -181,6 +181,41 @@ expect 0 acquire --port rig --firmware host --protocol creep.json --rest-s 0 --o
 awk -F, '/^[0-9]/ && $1 > 4.5 && $1 < 12.5 { s += $3; n++; if (n < 500) a += $2 / 499; z = $2 }
     END { exit !(n > 7000 && s / n > 0.998 && s / n < 1.002 && z > a + 0.05) }' creep/creep.csv || fail "the force is not held"
 
+# ---- what ends a run to a force: its deepest place, the lowest of the plate, a specimen that goes or is shaken ----
+forced() { # newtons, more of the segment
+    echo '{"palpate": {"protocol": 1}, "runs": [{"kind": "segments", "name": "forced", "segments": [
+ {"force_N": '$1', "ramp_s": 1, "duration_s": 20'"${2:-}"'}]}]}' >forced.json
+}
+ends() { # fault, least and most depth in mm, options...
+    why=$1 least=$2 most=$3; shift 3
+    rm -rf forced
+    expect 4 acquire $H --contact-mm 2 --protocol forced.json --out forced "$@"
+    [ "$(fault forced/forced.csv)" = "\"$why\"" ] || fail "forced $*: $(fault forced/forced.csv)"
+    awk -F, -v least="$least" -v most="$most" '/^[-0-9]/ && $2 > d { d = $2 } END { print d; exit !(d > least && d < most) }' \
+        forced/forced.csv >out || fail "forced $*: the plate went $(cat out) mm deep"
+}
+forced 1 ', "deepest_mm": 0.5'; ends command_out_of_range 0.48 0.55
+forced 1; ends command_out_of_range 0.98 1.05 --limit-travel-mm 3
+ends command_out_of_range 0.68 0.75 --specimen-height-mm 0.7
+ends contact_lost 2 3.5 --inject contact_lost@20
+ends force_oscillates 2 4 --inject force_oscillates@20
+expect 1 acquire $H --contact-mm 2 --limit-travel-mm 4 --ramp-hold 3 --hold-s 1 --out forced --force
+grep -q 'ramp_hold_3mm goes to 3 mm, but' err || fail "a depth below the lowest place: $(cat err)"
+forced 1 ', "deepest_mm": 0'
+wrong 1 "runs[0].segments[0].deepest_mm must be a number above 0" $H --protocol forced.json --out x
+forced 5
+for c in 0.004 0.001; do # as stiff as it may be, and stiffer
+    "$PALPATE" acquire $H --specimen rigid --specimen-height-mm 5 --compliance-mm-N $c --contact-mm 2 --protocol forced.json --out stiff$c 2>err
+    [ $? -eq "$([ $c = 0.001 ] && echo 1 || echo 0)" ] || fail "a force on $c mm/N: $(cat err)"
+done
+grep -q 'refuses forced: control of force is not stable on the .* N/m' err || fail "a specimen too stiff for a force: $(cat err)"
+awk -F, '/^[0-9]/ && $1 > 6 && $1 < 20 { n++; if ($3 < 4.9 || $3 > 5.1) exit 1 } END { exit !(n > 10000) }' stiff0.004/forced.csv || fail "5 N are not held on what is stiff"
+
+# ---- soft: found, or the reason why not ----
+expect 0 acquire $H --scale 0.06 --contact-mm 2 --static --depth-mm 1 --rate-mm-s 1 --out soft
+expect 1 acquire $H --scale 0.05 --noise-N 0.02 --contact-mm 2 --static --depth-mm 1 --out softer
+grep -q "noise hides whether it rises with depth" err || fail "a line that is lost in noise: $(cat err)"
+
 # ---- columns of the whole sensor and of temperature; a camera that starts the run, and gets a pulse every 100 samples ----
 wrong 2 "--channels wants forces" $H --ramp-hold 2 --channels force --out x
 expect 0 acquire $H $short --ramp-hold 2 --hold-s 1 --channels forces,temperature --trigger-in start --trigger-out 100 \
