@@ -90,12 +90,12 @@ static void test_other_version(void **state) {
     device d;
     (void)state;
     assert_int_equal(meet(&p, &d, (peer_settings){.protocol = 9}), DEVICE_OTHER_VERSION);
-    says(&d, "the device speaks protocol 9, this palpate 2; bring both to the same release");
+    says(&d, "the device speaks protocol 9, this palpate 3; bring both to the same release");
     assert_null(d.link);
     part(&p, &d);
     speed = 10;
     assert_int_equal(meet(&p, &d, (peer_settings){.protocol = 9, .no_info = true}), DEVICE_OTHER_VERSION);
-    says(&d, "the device speaks another protocol, this palpate 2");
+    says(&d, "the device speaks another protocol, this palpate 3");
     part(&p, &d);
 }
 

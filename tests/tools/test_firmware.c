@@ -165,7 +165,7 @@ static void test_failures(void **state) {
     (void)state;
     assert_int_equal(run(&(peer_settings){.protocol = 9}, info, NULL), CLI_FAILURE);
     says(err, "palpate firmware: fd:");
-    says(err, "the device speaks protocol 9, this palpate 2");
+    says(err, "the device speaks protocol 9, this palpate 3");
     assert_int_equal(run(&(peer_settings){.closes = true}, info, NULL), CLI_FAILURE);
     says(err, "the other end has closed");
     assert_int_equal(run(&(peer_settings){0}, wrong, NULL), CLI_USAGE);

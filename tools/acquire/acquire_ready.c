@@ -108,9 +108,11 @@ outcome session_tare(session *s) {
 static outcome say_no_contact(session *s, double travel_mm) {
     switch (s->device.status.search) {
     case PALP_WIRE_SEARCH_NO_AIR:
-        return session_fail(s,
-                            "contact: a force was met at once: is the plate in the specimen already? Move it "
-                            "up, or the specimen down");
+        return session_fail(
+            s,
+            "contact: a force of %g N was met at once: is the plate in the specimen already, or "
+            "--contact-N within the sensor's noise?",
+            s->options->contact_N);
     case PALP_WIRE_SEARCH_NO_SLOPE:
         return session_fail(s,
                             "contact: a force of %g N was met, but the sensor's noise hides whether it rises "
