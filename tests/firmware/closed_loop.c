@@ -38,8 +38,8 @@ double loop_position(const loop *l) {
 void loop_tick(loop *l, const reference *to) {
     float position = (float)l->in.position * m->count_m,
           depth = l->known ? to->position_m - l->contact_m : 0.0f;
-    float force = pid_step(&l->pid, l->gains, l->gains->feed_N_m, to, position, depth, m->moving_kg, m->motor_drag_Ns_m,
-                           m->friction_N, m->current_A * m->force_constant_N_A);
+    float force = pid_step(&l->pid, l->gains, l->gains->feed_N_m, to, position, depth, m->moving_kg,
+                           m->motor_drag_Ns_m, m->friction_N, m->current_A * m->force_constant_N_A);
     plant_out out = {.duty = (int16_t)lrintf(force / m->motor_N * 32767.0f), .motor = PLANT_MOTOR_ON};
     palp_error error;
     if (plant_step(l->plant, &out, &l->in, &error))
