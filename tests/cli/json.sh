@@ -102,12 +102,12 @@ set -- "$@" model=solid.json
 motion='"depth_mm": 2, "hold_s": 0.1, "air_mm": 1, "air_s": 0.1, "after_s": 0.1, "rest_s": 0.1, "acceleration_mm_s2": 400'
 waves='"amplitude_mm": 0.2, "frequency_Hz": 2, "rate_mm_s": 3'
 segments='[{"move_to_mm": 1, "rate_mm_s": 5, "acceleration_mm_s2": 100}, {"hold_s": 0.1}, {"cycle_to_mm": 2, "rate_mm_s": 5, "cycles": 1},
- {"sine_mm": 0.1, "frequency_Hz": 2, "cycles": 1}, {"sweep_mm": 0.1, "frequency_Hz": 1, "frequency_end_Hz": 3, "duration_s": 1}, {"force_N": 0.005, "ramp_s": 1, "duration_s": 1}]'
+ {"sine_mm": 0.1, "frequency_Hz": 2, "cycles": 1}, {"sweep_mm": 0.1, "frequency_Hz": 1, "frequency_end_Hz": 3, "duration_s": 1}, {"force_N": 0.005, "ramp_s": 1, "duration_s": 1, "deepest_mm": 2}]'
 cat >protocol.json <<J
 {"palpate": {"protocol": 1}, "about": "all", "order": "random", "order_seed": 1, "repeat_first": true, $motion, $waves, "cycles": 1,
- "frequency_end_Hz": 4, "duration_s": 1, "runs": [{"kind": "sine", "name": "a", "about": "b", $motion, $waves, "cycles": 1},
+ "frequency_end_Hz": 4, "duration_s": 1, "deepest_mm": 3, "runs": [{"kind": "sine", "name": "a", "about": "b", $motion, $waves, "cycles": 1},
  {"kind": "sweep", $motion, $waves, "frequency_end_Hz": 4, "duration_s": 1}, {"kind": "ramp_hold", "ramp_s": 1, $motion},
- {"kind": "segments", "name": "pieces", "segments": $segments}]}
+ {"kind": "segments", "name": "pieces", "deepest_mm": 3, "segments": $segments}]}
 J
 sed 's/ "rate_mm_s": 3, "cycles"/ "ramp_s": 1, "cycles"/' protocol.json >ramps.json
 six='[0, 0, 1e-5, 0, 0, 0]'
