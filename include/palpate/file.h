@@ -14,8 +14,15 @@ extern "C" {
 /* Reads a whole file: *size bytes and a NUL after them, malloc'ed; the caller frees *text. */
 PALP_API palp_status palp_file_read(const char *path, char **text, size_t *size, palp_error *error);
 
-/* A file being written under a temporary name beside its target. A symbolic link is followed; a target that
- * is no regular file (a pipe, a device) is written directly, and so is /dev/stdout, whatever it is. */
+/* Makes any bytes, such as a file's name, a line of UTF-8 that a terminal, JSON or a page can show: each byte
+ * of a control character, of what changes the direction of writing, or of what is no UTF-8 becomes '?'.
+ * Returns text. */
+PALP_API char *palp_text_make_plain(char *text);
+
+/* A file being written under a temporary name TARGET.PID.N.tmp beside its target. A symbolic link is
+ * followed, also to a file that is not there yet; a file that is replaced keeps its permissions. A target
+ * that is no regular file (a pipe, a device) is written directly, and so is /dev/stdout, whatever it is. A
+ * program that a signal ends may remove what its process left. */
 typedef struct palp_file {
     FILE *stream;     /* to write to; errors are looked at by commit */
     const char *path; /* as given, for errors; caller's */

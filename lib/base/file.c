@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,9 +14,7 @@
 static void text_set(palp_error *error, size_t from, const char *format, va_list arguments) {
     if (from < sizeof error->text)
         vsnprintf(error->text + from, sizeof error->text - from, format, arguments);
-    for (char *p = error->text; *p; p++)
-        if ((unsigned char)*p < ' ' || *p == 127)
-            *p = '?';
+    palp_text_make_plain(error->text);
 }
 
 palp_status palp_error_set(palp_error *error, palp_status status, const char *format, ...) {
@@ -50,7 +49,10 @@ palp_status palp_error_set_file(palp_error *error, const char *path, const char 
     char reason[128] = "";
     if (strerror_r(number, reason, sizeof reason) || !reason[0])
         snprintf(reason, sizeof reason, "error %d", number);
-    return palp_error_set(error, PALP_ERR_FILE, "%s: %s: %s", path, what, reason);
+    size_t n = strlen(path),
+           most = PALP_ERROR_TEXT / 2; /* of a longer one the end, so that the reason is said */
+    return palp_error_set(error, PALP_ERR_FILE, "%s%s: %s: %s", n > most ? "..." : "",
+                          n > most ? path + n - most : path, what, reason);
 }
 
 /* Room for a regular file of its size, else a first guess. */
@@ -115,9 +117,12 @@ static void file_free(palp_file *file) {
     memset(file, 0, sizeof *file);
 }
 
-/* Opens target.PID.N.tmp for the first N that is not taken; -1 with errno if it cannot be made. */
-static int open_temporary(palp_file *file) {
-    size_t room = strlen(file->target) + 48;
+/* Opens target.PID.N.tmp for the first N that is not taken, with the permissions of the file that it is to
+ * replace (NULL: none); -1 with errno if it cannot be made. */
+static int open_temporary(palp_file *file, const struct stat *replaced) {
+    enum { SUFFIX = 48, BASE_MOST = 255 - SUFFIX }; /* a name of 255 bytes is as long as it may be */
+    const char *slash = strrchr(file->target, '/');
+    size_t folder = slash ? (size_t)(slash + 1 - file->target) : 0, room = strlen(file->target) + SUFFIX;
     char *larger = realloc(file->temporary, room);
     if (!larger) {
         errno = ENOMEM;
@@ -126,11 +131,14 @@ static int open_temporary(palp_file *file) {
     file->temporary = larger;
     int fd = -1;
     for (int i = 0; i < 1000 && fd < 0; i++) {
-        snprintf(file->temporary, room, "%s.%ld.%d.tmp", file->target, (long)getpid(), i);
-        fd = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL, 0666);
+        snprintf(file->temporary, room, "%.*s%.*s.%ld.%d.tmp", (int)folder, file->target, BASE_MOST,
+                 file->target + folder, (long)getpid(), i);
+        fd = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL, replaced ? 0600 : 0666);
         if (fd < 0 && errno != EEXIST)
             break;
     }
+    if (fd >= 0 && replaced && (fchown(fd, replaced->st_uid, replaced->st_gid) == 0 || errno == EPERM))
+        fchmod(fd, replaced->st_mode & 0777);
     return fd;
 }
 
@@ -138,8 +146,43 @@ static int open_target(palp_file *file) {
     struct stat info;
     if (strcmp(file->path, "/dev/stdout") == 0)
         return fflush(stdout) == 0 ? dup(STDOUT_FILENO) : -1;
-    bool direct = stat(file->target, &info) == 0 && !S_ISREG(info.st_mode);
-    return direct ? open(file->target, O_WRONLY) : open_temporary(file);
+    bool there = stat(file->target, &info) == 0;
+    return there && !S_ISREG(info.st_mode) ? open(file->target, O_WRONLY)
+                                           : open_temporary(file, there ? &info : NULL);
+}
+
+/* Makes *path what the symbolic link there points to; 0 or an errno, EINVAL: it is no link. */
+static int follow_link(char **path) {
+    char to[PATH_MAX];
+    ssize_t n = readlink(*path, to, sizeof to);
+    if (n < 0)
+        return errno;
+    const char *slash = strrchr(*path, '/');
+    size_t folder = slash && to[0] != '/' ? (size_t)(slash + 1 - *path) : 0;
+    char *target = malloc(folder + (size_t)n + 1);
+    if (!target)
+        return ENOMEM;
+    memcpy(target, *path, folder);
+    memcpy(target + folder, to, (size_t)n);
+    target[folder + (size_t)n] = '\0';
+    free(*path);
+    *path = target;
+    return 0;
+}
+
+/* The path without symbolic links, also where the last points to what is not there; an errno. */
+static int resolve(const char *path, char **target) {
+    enum { LINKS_MOST = 40 };
+    struct stat info;
+    *target = realpath(path, NULL);
+    if (*target)
+        return 0;
+    *target = palp_text_copy(path);
+    int number = *target ? 0 : ENOMEM;
+    bool there = stat(path, &info) == 0; /* such as a pipe in /dev/fd, which has no path */
+    for (int i = 0; i < LINKS_MOST && !there && !number; i++)
+        number = follow_link(target);
+    return number == ENOMEM ? number : there || number ? 0 : ELOOP;
 }
 
 palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error) {
@@ -147,20 +190,16 @@ palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error
         return palp_error_null(error);
     memset(file, 0, sizeof *file);
     file->path = path;
-    file->target = realpath(path, NULL);
-    if (!file->target)
-        file->target = palp_text_copy(path);
+    int number = resolve(path, &file->target), fd = -1;
     file->temporary = palp_text_copy("");
-    if (!file->target || !file->temporary) {
-        file_free(file);
-        return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
+    number = file->temporary ? number : ENOMEM;
+    if (!number) {
+        fd = open_target(file);
+        file->stream = fd >= 0 ? fdopen(fd, "wb") : NULL;
+        number = errno;
     }
-    int fd = open_target(file);
-    if (fd >= 0)
-        file->stream = fdopen(fd, "wb");
     if (file->stream)
         return PALP_OK;
-    int number = errno;
     if (fd >= 0) {
         close(fd);
         if (file->temporary[0])

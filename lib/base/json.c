@@ -258,31 +258,3 @@ palp_status palp_json_string(const palp_json *at, const char **value) {
     *value = json_string_value(at->value);
     return PALP_OK;
 }
-
-bool palp_text_is_utf8(const char *text) {
-    const unsigned char *p = (const unsigned char *)text;
-    while (*p) {
-        unsigned lead = *p++, low = 0x80, high = 0xBF; /* range of the next byte */
-        if (lead < 0x80)
-            continue;
-        if (lead < 0xC2 || lead > 0xF4)
-            return false;
-        int rest = lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3;
-        if (lead == 0xE0)
-            low = 0xA0;
-        else if (lead == 0xF0)
-            low = 0x90;
-        if (lead == 0xED)
-            high = 0x9F;
-        else if (lead == 0xF4)
-            high = 0x8F;
-        for (int i = 0; i < rest; i++) {
-            if (*p < low || *p > high)
-                return false;
-            p++;
-            low = 0x80;
-            high = 0xBF;
-        }
-    }
-    return true;
-}

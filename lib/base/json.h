@@ -50,7 +50,4 @@ palp_status palp_json_string(const palp_json *at, const char **value); /* the fi
 /* The one of expected[n] that key equals but for its unit (what follows the last '_'), or NULL. */
 const char *palp_key_hint(const char *key, size_t n, const char *const *expected);
 
-/* UTF-8 without overlong forms and surrogates, which is what Jansson takes as text. */
-bool palp_text_is_utf8(const char *text);
-
 #endif

@@ -1,6 +1,7 @@
 /* experiment.c: an experiment in memory: header values and columns of numbers. */
 #include "experiment_internal.h"
 #include "base/json.h"
+#include "base/text.h"
 
 #include <math.h>
 #include <stdint.h>

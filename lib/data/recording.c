@@ -75,6 +75,7 @@ static void read_header(palp_recording *r, const palp_experiment *e,
         r->radius_m = 1e-3 * value;
     if (!palp_experiment_get_string(e, "specimen.name", &text))
         snprintf(r->specimen, sizeof r->specimen, "%s", text);
+    palp_text_make_plain(r->specimen);
     r->contact_found =
         !palp_experiment_get_string(e, "contact.rule", &text) && strcmp(text, "as_recorded") != 0;
     if (!palp_experiment_get_number(e, "contact.sd_mm", &value))
@@ -259,6 +260,7 @@ palp_status palp_recording_prepare(const palp_experiment *experiment, const char
         return palp_error_null(error);
     memset(recording, 0, sizeof *recording);
     strncpy(recording->name, name, PALP_NAME_MAX - 1);
+    palp_text_make_plain(recording->name);
     palp_status status = prepare(recording, experiment, settings, error);
     if (status == PALP_ERR_NO_MEMORY)
         palp_error_set(error, status, "%s: out of memory", name);

@@ -280,6 +280,7 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     const palp_experiment *e = input->experiment;
     explain_run *run = &data->run[r];
     snprintf(run->name, sizeof run->name, "%s", input->name ? input->name : "run");
+    palp_text_make_plain(run->name);
     palp_status status = copy(e, data->height, air, run);
     if (status)
         return status;

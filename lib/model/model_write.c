@@ -1,6 +1,7 @@
 /* model_write.c: writes the model JSON. */
 #define _XOPEN_SOURCE 700 /* locale_t, open_memstream, realpath */
 #include "base/json.h"
+#include "base/text.h"
 #include "model_internal.h"
 #include "base/number.h"
 

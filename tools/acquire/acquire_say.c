@@ -183,7 +183,7 @@ void session_tell(const session *s, bool warning, const char *format, ...) {
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "palpate %s: %s%s\n", s->options->command, warning ? "warning: " : "", text);
+    (warning ? cli_warning : cli_note)(s->options->command, "%s", text);
     if (s->watcher.told)
         s->watcher.told(warning, text, s->watcher.context);
 }

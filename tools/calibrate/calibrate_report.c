@@ -197,6 +197,6 @@ int calibrate_report(const calibrate_options *o, const calibrate_state *s) {
     if (s->does_relaxation)
         print_relaxation(s);
     if (o->out)
-        printf("Written to %s\n", o->out);
+        cli_say(stdout, "Written to %s", o->out);
     return cli_flush(NAME);
 }

@@ -9,8 +9,7 @@ static void set(json_t *to, const char *key, double value) {
 }
 
 static void set_text(json_t *to, const char *key, const char *text) {
-    json_t *value = json_string(text);
-    json_object_set_new(to, key, value ? value : json_string("(not UTF-8)"));
+    json_object_set_new(to, key, json_plain(text));
 }
 
 static json_t *law_json(const palp_law *law) {
@@ -224,7 +223,7 @@ static void add_lists(json_t *all, const characterize_state *s) {
     for (size_t i = 0; i < s->n_single; i++)
         json_array_append_new(singles, single_json(s, i));
     for (size_t i = 0; i < s->n_warnings; i++)
-        json_array_append_new(warnings, json_string(s->warning[i]));
+        json_array_append_new(warnings, json_plain(s->warning[i]));
     json_object_set_new(all, "runs", runs);
     json_object_set_new(all, "static", statics);
     json_object_set_new(all, "degree_scores", scores_json(&s->degrees, "degree", false));

@@ -241,6 +241,6 @@ int characterize_print(const characterize_options *o, const characterize_state *
     print_gap(s);
     characterize_print_spectrum(s);
     if (o->out)
-        printf("Written to %s\n", o->out);
+        cli_say(stdout, "Written to %s", o->out);
     return cli_flush(NAME);
 }

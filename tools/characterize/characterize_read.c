@@ -48,7 +48,7 @@ static void tell(const palp_recording *r) {
         add(&line, "; uneven sampling", 0, 0);
     if (r->faulted)
         add(&line, "; ended early by a fault", 0, 0);
-    fprintf(stderr, "palpate %s: %s: %s%s\n", NAME, r->name, kinds[r->kind], line.text);
+    cli_note(NAME, "%s: %s%s", r->name, kinds[r->kind], line.text);
 }
 
 /* ---- reading ---- */
@@ -63,7 +63,7 @@ static int take_one(const characterize_options *o, const char *file, const palp_
     settings.contact_m = settings.contact_given ? 1e-3 * o->contact_mm : 0;
     const char *none = open_no_specimen(experiment);
     if (none) {
-        fprintf(stderr, "palpate %s: %s: no specimen in it (\"%s\"); left out\n", NAME, file, none);
+        cli_note(NAME, "%s: no specimen in it (\"%s\"); left out", file, none);
         return CLI_OK;
     }
     palp_status status = palp_recording_prepare(experiment, file, &settings, &s->run[s->n], &error);
@@ -85,8 +85,8 @@ static int join(const characterize_options *o, palp_experiment **run) {
     for (size_t i = 0; i < o->n_words; i++) {
         const bool part = of[i] != i;
         if (part)
-            fprintf(stderr, "palpate %s: %s: goes on where %s ends, and is taken as one run with it\n", NAME,
-                    o->words[i], o->words[of[i]]);
+            cli_note(NAME, "%s: goes on where %s ends, and is taken as one run with it", o->words[i],
+                     o->words[of[i]]);
         if (part || whole[i]) {
             palp_experiment_free(run[i]);
             run[i] = whole[i];

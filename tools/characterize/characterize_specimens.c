@@ -111,10 +111,9 @@ int characterize_group(const characterize_options *options, characterize_state *
     characterize_options own = *options, *o = &own;
     int code = CLI_OK;
     if (o->specimens_by == SPECIMENS_AUTO && each_its_own(s)) {
-        fprintf(stderr,
-                "palpate %s: each run names a specimen of its own: taken as runs of one; --specimens name "
-                "tells them apart\n",
-                NAME);
+        cli_note(NAME,
+                 "each run names a specimen of its own: taken as runs of one; --specimens name tells them "
+                 "apart");
         o->specimens_by = SPECIMENS_ONE;
     }
     for (size_t r = 0; r < s->n && code == CLI_OK; r++) {
@@ -260,8 +259,8 @@ static json_t *bodies_json(const characterize_state *s) {
     json_t *list = json_array();
     for (size_t k = 0; k < s->n_specimens; k++) {
         const characterize_body *body = &s->body[k];
-        json_t *to = json_object(), *name = json_string(characterize_specimen_name(s, k));
-        json_object_set_new(to, "name", name ? name : json_string("(not UTF-8)"));
+        json_t *to = json_object();
+        json_object_set_new(to, "name", json_string(characterize_specimen_name(s, k)));
         json_object_set_new(to, "runs", json_integer((json_int_t)body->n_runs));
         json_object_set_new(to, "height_mm", json_number_or_null(1e3 * body->height_m));
         json_object_set_new(to, "radius_mm", json_number_or_null(1e3 * body->radius_m));

@@ -66,8 +66,8 @@ static void set(json_t *to, const char *key, double value) {
 static json_t *point_json(const characterize_state *s, size_t run, const palp_spectrum_point *p) {
     const palp_recording *r = &s->run[run];
     double storage = NAN, loss = NAN;
-    json_t *to = json_object(), *file = json_string(r->name);
-    json_object_set_new(to, "file", file ? file : json_string("(not UTF-8)"));
+    json_t *to = json_object();
+    json_object_set_new(to, "file", json_string(r->name));
     characterize_model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
     set(to, "frequency_Hz", p->frequency_Hz);
     set(to, "from_s", p->from_s);

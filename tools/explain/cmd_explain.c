@@ -144,7 +144,7 @@ static int read_runs(const explain_options *o, palp_explain_input *input, palp_e
         input[r] = (palp_explain_input){run[r], o->words[r]};
     }
     if (every > 1 && !o->every)
-        fprintf(stderr, "palpate %s: one sample in %zu of each run (--every)\n", NAME, every);
+        cli_note(NAME, "one sample in %zu of each run (--every)", every);
     return CLI_OK;
 }
 

@@ -159,8 +159,8 @@ static int write_board(const char *name, const char *port, bool usb, const char 
                               "0x08000000:leave", "-D", path, NULL};
     const int code = run_tool(name, usb ? over_usb : over_serial, usb);
     if (code == CLI_OK)
-        fprintf(stderr, "palpate %s: %s is written and verified; %s\n", name, path,
-                usb ? "the board starts it" : "BOOT0 low and a reset start it");
+        cli_note(name, "%s is written and verified; %s", path,
+                 usb ? "the board starts it" : "BOOT0 low and a reset start it");
     return code;
 }
 

@@ -193,7 +193,7 @@ static int write_all(const import_options *o, const import_sources *all) {
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
         const import_source *s = all->source[i];
         if (s->skip) {
-            fprintf(stderr, "palpate import: %s: block %s left out: %s\n", s->file, s->block, s->skip);
+            cli_note(NAME, "%s: block %s left out: %s", s->file, s->block, s->skip);
         } else {
             code = import_write(o, s);
             written++;

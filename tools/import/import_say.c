@@ -45,6 +45,7 @@ static int role_of(const import_source *s, int quantity) {
 
 static void fill(const import_source *s, row *r) {
     snprintf(r->field[0], WIDEST, "%.40s", s->name);
+    palp_text_make_plain(r->field[0]); /* before its width is asked for */
     snprintf(r->field[1], WIDEST, "%zu", s->rows);
     say_column(s, TIME, false, r->field[2]);
     say_column(s, role_of(s, DEPTH), s->depth_sign < 0, r->field[3]);
@@ -55,11 +56,13 @@ static void fill(const import_source *s, row *r) {
 }
 
 static void print_row(const row *r, const size_t width[FIELDS]) {
+    char line[FIELDS * 2 * WIDEST];
+    size_t n = 0;
     for (size_t k = 0; k < FIELDS; k++) {
         size_t pad = k + 1 < FIELDS ? width[k] + 2 - width_of(r->field[k]) : 0;
-        fprintf(stderr, "%s%*s", r->field[k], (int)pad, "");
+        n += (size_t)snprintf(line + n, sizeof line - n, "%s%*s", r->field[k], (int)pad, "");
     }
-    fputc('\n', stderr);
+    cli_say(stderr, "%s", line);
 }
 
 static void note(const import_source *s) {
@@ -79,23 +82,21 @@ static void note(const import_source *s) {
         cli_warning("import", "%s: the clock starts anew %zu time%s within the run; it was made to go on",
                     s->name, s->restarts, s->restarts > 1 ? "s" : "");
     if (s->tip && s->tip_radius_mm > 0)
-        fprintf(stderr, "palpate import: %s: the tip is a %s, radius %.5g mm\n", s->name, s->tip,
-                s->tip_radius_mm);
+        cli_note("import", "%s: the tip is a %s, radius %.5g mm", s->name, s->tip, s->tip_radius_mm);
     if (s->groups > 1 && s->group == 1)
-        fprintf(stderr,
-                "palpate import: %s: the columns of %s repeat: %zu specimens side by side, a run each; one "
-                "alone by --map time=NUMBER,depth=NUMBER,force=NUMBER\n",
-                s->name, cli_base(s->file), s->groups);
+        cli_note("import",
+                 "%s: the columns of %s repeat: %zu specimens side by side, a run each; one alone by --map "
+                 "time=NUMBER,depth=NUMBER,force=NUMBER",
+                 s->name, cli_base(s->file), s->groups);
     if (s->seconds_assumed)
         cli_warning("import",
                     "%s: the time has no unit and is taken as seconds; else say it by --units time=ms",
                     s->name);
     if (s->height_from && strncmp(s->height_from, "--", 2) != 0) {
-        fprintf(stderr, "palpate import: %s: height %.5g mm by \"%s\"", s->name, s->height_mm,
-                s->height_from);
+        char radius[2 * IMPORT_WORD] = "";
         if (s->radius_mm > 0 && s->radius_from)
-            fprintf(stderr, ", radius %.5g mm by \"%s\"", s->radius_mm, s->radius_from);
-        fputc('\n', stderr);
+            snprintf(radius, sizeof radius, ", radius %.5g mm by \"%s\"", s->radius_mm, s->radius_from);
+        cli_note("import", "%s: height %.5g mm by \"%s\"%s", s->name, s->height_mm, s->height_from, radius);
     }
 }
 

@@ -1,5 +1,6 @@
 /* import_write.c: an imported recording as an experiment CSV, with where each number is from. */
 #include "import.h"
+#include "shared/opening.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -15,17 +16,12 @@ static void number(palp_experiment *run, const char *key, double value, palp_sta
 }
 
 static void string(palp_experiment *run, const char *key, const char *value, palp_status *status) {
-    *status = *status || !value || !*value ? *status : palp_experiment_set_string(run, key, value);
+    *status = *status || !value || !*value ? *status : open_set_text(run, key, value);
 }
 
 static void positive(palp_experiment *run, const char *key, double value, palp_status *status) {
     if (value > 0)
         number(run, key, value, status);
-}
-
-static const char *base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
 }
 
 static palp_status set_specimen(const import_options *o, const import_source *s, palp_experiment *run) {
@@ -69,7 +65,7 @@ static int used_as(const import_source *s, int quantity) {
 static palp_status set_source(const import_options *o, const import_source *s, palp_experiment *run) {
     palp_status status = PALP_OK;
     char text[64];
-    string(run, "import.file", base_name(s->file), &status);
+    string(run, "import.file", cli_base(s->file), &status);
     string(run, "import.block", s->block, &status);
     string(run, "import.format", formats[s->format], &status);
     number(run, "import.size_bytes", (double)s->size, &status);
@@ -89,7 +85,7 @@ static palp_status set_source(const import_options *o, const import_source *s, p
     return status;
 }
 
-/* "Stage Velocity, mm/s" -> tester.Stage_Velocity_mm_s; what is no UTF-8 is left out. */
+/* "Stage Velocity, mm/s" -> tester.Stage_Velocity_mm_s. */
 static palp_status set_settings(const import_source *s, palp_experiment *run) {
     for (size_t i = 0; i < s->n_settings; i++) {
         char key[IMPORT_WORD + 16] = "tester.";
@@ -107,7 +103,7 @@ static palp_status set_settings(const import_source *s, palp_experiment *run) {
         palp_status status = key[n - 1] == '.' ? PALP_OK
                              : cli_read_number(s->setting[i][1], &value)
                                  ? palp_experiment_set_number(run, key, value)
-                                 : palp_experiment_set_string(run, key, s->setting[i][1]);
+                                 : open_set_text(run, key, s->setting[i][1]);
         if (status && status != PALP_ERR_ARGUMENT)
             return status;
     }

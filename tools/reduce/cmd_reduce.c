@@ -238,9 +238,9 @@ static json_t *error_json(const reduction *r) {
     for (size_t i = 0; i < r->n; i++) {
         const reduce_run *run = &r->run[i];
         if (run->held_out)
-            json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f}", "run", run->file, "worst_N",
-                                                  run->error.worst_N, "rms_N", run->error.rms_N, "peak_N",
-                                                  run->error.peak_N));
+            json_array_append_new(list, json_pack("{s:o, s:f, s:f, s:f}", "run", json_plain(run->file),
+                                                  "worst_N", run->error.worst_N, "rms_N", run->error.rms_N,
+                                                  "peak_N", run->error.peak_N));
     }
     return list;
 }
@@ -266,8 +266,8 @@ static void print_text(const reduction *r) {
     for (size_t i = 0; i < r->n; i++) {
         const reduce_run *run = &r->run[i];
         if (run->held_out)
-            printf("held out: %s: largest error %.3g N, rms %.3g N, of a peak force of %.4g N\n", run->file,
-                   run->error.worst_N, run->error.rms_N, run->error.peak_N);
+            cli_say(stdout, "held out: %s: largest error %.3g N, rms %.3g N, of a peak force of %.4g N",
+                    run->file, run->error.worst_N, run->error.rms_N, run->error.peak_N);
     }
     if (s.held_out_paths > 0)
         printf("error bound on paths like these: %.2g %% of the largest force\n", 100 * s.bound);

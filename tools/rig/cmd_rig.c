@@ -85,8 +85,8 @@ static const char *absolute(const char *port, char whole[RIG_PATH]) {
 
 /* Prints, once it runs, the firmware and the port. */
 static void say_port(const char *port, void *context) {
-    fprintf(stderr, "running %s\n", (const char *)context);
-    printf("%s\n", port);
+    cli_say(stderr, "running %s", (const char *)context);
+    cli_say(stdout, "%s", port);
     fflush(stdout);
 }
 

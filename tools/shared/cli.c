@@ -322,6 +322,7 @@ void cli_keep_command(int argc, char **argv, char command[CLI_COMMAND_MAX]) {
     }
     if (at >= CLI_COMMAND_MAX)
         memcpy(command + CLI_COMMAND_MAX - 5, " ...", 5);
+    palp_text_make_plain(command);
 }
 
 /* How many letters to put in, take out or change (or two neighbours to swap) to make one word the other. */

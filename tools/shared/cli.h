@@ -4,6 +4,12 @@
 
 #include <palpate/file.h>
 
+#if defined(__GNUC__)
+#define CLI_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define CLI_PRINTF(text, first)
+#endif
+
 enum { CLI_OK = 0, CLI_FAILURE = 1, CLI_USAGE = 2, CLI_NOT_CONVERGED = 3, CLI_DEVICE_FAULT = 4 };
 enum { CLI_HELP = -1 };     /* cli_parse printed the help: exit 0 */
 enum { CLI_LIST_MAX = 64 }; /* most numbers in a list such as 1.5,2,2.5 */
@@ -90,14 +96,19 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
 
 void cli_help(const cli_command *command, FILE *to);
 
-/* The command line as typed, for the record; cut where it is too long. Call it before cli_parse, which
- * moves the words behind the options. */
+/* The command line as typed, for the record, made plain text and cut where it is too long. Call it before
+ * cli_parse, which moves the words behind the options. */
 void cli_keep_command(int argc, char **argv, char command[CLI_COMMAND_MAX]);
 
+/* One line, such as a row of a table, with a newline after it. Here and in the next ones control characters
+ * of a file's or specimen's name reach no terminal (palp_text_make_plain). */
+void cli_say(FILE *to, const char *format, ...) CLI_PRINTF(2, 3);
+
 /* One line "palpate NAME: ..." on stderr; returns the exit code of its name. */
-int cli_usage_error(const char *name, const char *format, ...);
-int cli_failure(const char *name, const char *format, ...);
-void cli_warning(const char *name, const char *format, ...);
+void cli_note(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
+int cli_usage_error(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
+int cli_failure(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
+void cli_warning(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
 
 /* The same for a failed library call; error may be NULL. 3 where a solver gave up, else 1. */
 int cli_status(const char *name, palp_status status, const palp_error *error);

@@ -3,13 +3,17 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <palpate/file.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 void html_text(FILE *to, const char *text) {
-    for (; *text; text++) {
-        switch (*text) {
+    char *plain = malloc(text ? strlen(text) + 1 : 1);
+    if (plain)
+        palp_text_make_plain(strcpy(plain, text ? text : ""));
+    for (const char *at = plain ? plain : ""; *at; at++) {
+        switch (*at) {
         case '<':
             fputs("&lt;", to);
             break;
@@ -23,9 +27,10 @@ void html_text(FILE *to, const char *text) {
             fputs("&quot;", to);
             break;
         default:
-            fputc(*text, to);
+            fputc(*at, to);
         }
     }
+    free(plain);
 }
 
 static const char STYLE[] =

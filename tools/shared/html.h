@@ -7,7 +7,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
-void html_text(FILE *to, const char *text); /* escaped */
+void html_text(FILE *to, const char *text); /* any bytes, made plain and escaped; NULL: none */
 void html_open(FILE *to, const char *title);
 void html_close(FILE *to);
 void html_section(FILE *to, const char *id, const char *title);

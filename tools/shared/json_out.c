@@ -4,6 +4,8 @@
 #include "cli.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 static const size_t LOOK = JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15);
 
@@ -40,6 +42,13 @@ int json_save_in(const char *name, json_t *value, const char *folder, const char
         return CLI_FAILURE;
     }
     return json_save(name, value, path);
+}
+
+json_t *json_plain(const char *text) {
+    char *copy = malloc(strlen(text) + 1);
+    json_t *value = copy ? json_string(palp_text_make_plain(strcpy(copy, text))) : NULL;
+    free(copy);
+    return value;
 }
 
 json_t *json_number_or_null(double value) {

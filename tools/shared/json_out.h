@@ -23,6 +23,9 @@ void json_add_law(json_t *to, const palp_law *law);
 double json_number_at(const json_t *object, const char *key);
 const char *json_text_at(const json_t *object, const char *key);
 
+/* A file's name or another text from outside, made plain (palp_text_make_plain); NULL = out of memory. */
+json_t *json_plain(const char *text);
+
 /* A number, or null where it is not finite. */
 json_t *json_number_or_null(double value);
 

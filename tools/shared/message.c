@@ -1,18 +1,42 @@
-/* message.c: the one line on stderr of an error or a warning. */
+/* message.c: what is said on a terminal: lines of a table, errors and warnings. */
 #include "cli.h"
 
 #include <stdarg.h>
 
-static void line(const char *name, const char *what, const char *format, va_list arguments) {
-    fprintf(stderr, name ? "palpate %s: %s" : "palpate%s: %s", name ? name : "", what);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+/* A line is cut where it is longer than any that is meant for a reader. */
+enum { LINE_MAX_BYTES = 2 * CLI_PATH_MAX };
+
+static void say(FILE *to, const char *start, const char *format, va_list arguments) {
+    char line[LINE_MAX_BYTES];
+    size_t n = (size_t)snprintf(line, sizeof line, "%s", start);
+    vsnprintf(line + n, sizeof line - n, format, arguments);
+    fprintf(to, "%s\n", palp_text_make_plain(line));
+}
+
+void cli_say(FILE *to, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say(to, "", format, arguments);
+    va_end(arguments);
+}
+
+static void message(const char *name, const char *what, const char *format, va_list arguments) {
+    char start[64];
+    snprintf(start, sizeof start, name ? "palpate %s: %s" : "palpate%s: %s", name ? name : "", what);
+    say(stderr, start, format, arguments);
+}
+
+void cli_note(const char *name, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    message(name, "", format, arguments);
+    va_end(arguments);
 }
 
 int cli_usage_error(const char *name, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    line(name, "", format, arguments);
+    message(name, "", format, arguments);
     va_end(arguments);
     return CLI_USAGE;
 }
@@ -20,7 +44,7 @@ int cli_usage_error(const char *name, const char *format, ...) {
 int cli_failure(const char *name, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    line(name, "", format, arguments);
+    message(name, "", format, arguments);
     va_end(arguments);
     return CLI_FAILURE;
 }
@@ -28,7 +52,7 @@ int cli_failure(const char *name, const char *format, ...) {
 void cli_warning(const char *name, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    line(name, "warning: ", format, arguments);
+    message(name, "warning: ", format, arguments);
     va_end(arguments);
 }
 

@@ -2,6 +2,7 @@
 #include "opening.h"
 #include "cli.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 int open_model(const char *command, const char *file, palp_model *model, palp_mesh_source *mesh) {
@@ -29,6 +30,14 @@ int open_run(const char *command, const char *file, palp_experiment **run) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_experiment_read(file, run, &error);
     return status ? cli_status(command, status, &error) : CLI_OK;
+}
+
+palp_status open_set_text(palp_experiment *run, const char *key, const char *text) {
+    char *copy = malloc(strlen(text) + 1);
+    palp_status status = copy ? palp_experiment_set_string(run, key, palp_text_make_plain(strcpy(copy, text)))
+                              : PALP_ERR_NO_MEMORY;
+    free(copy);
+    return status;
 }
 
 const char *open_no_specimen(const palp_experiment *run) {

@@ -17,6 +17,9 @@ int open_refuse_mass(const char *command, const char *file, const palp_model *mo
 int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise,
                   palp_model *model, palp_mesh_source *mesh);
 
+/* A text from outside as a key of a run's header, made plain (palp_text_make_plain). */
+palp_status open_set_text(palp_experiment *run, const char *key, const char *text);
+
 /* The run's specimen.kind where that is none ("none": air, "rigid": a block to see the frame), as palpate
  * acquire records them beside those of the specimen; else NULL. */
 const char *open_no_specimen(const palp_experiment *run);

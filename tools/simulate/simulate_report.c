@@ -1,6 +1,7 @@
 /* simulate_report.c: palpate simulate's run as an experiment, and its summary. */
 #define _POSIX_C_SOURCE 200809L
 #include "shared/json_out.h"
+#include "shared/opening.h"
 #include "simulate.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@ static void number(palp_experiment *run, const char *key, double value, palp_sta
 }
 
 static void string(palp_experiment *run, const char *key, const char *value, palp_status *status) {
-    *status = *status ? *status : palp_experiment_set_string(run, key, value);
+    *status = *status ? *status : open_set_text(run, key, value);
 }
 
 static const char *protocol_kind(const simulate_options *o, const simulation *s) {
@@ -119,13 +120,13 @@ static json_t *summary(const simulate_options *o, const simulation *s) {
         buckling = json_pack("{s:f, s:f, s:f, s:f}", "stable_mm", 1e3 * s->stable_m, "unstable_mm",
                              1e3 * s->unstable_m, "stable_strain", s->stable_m / s->height_m,
                              "unstable_strain", s->unstable_m / s->height_m);
-    json_t *all = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:o}", "model", o->model,
-                            "kind", s->model.kind == PALP_MODEL_LUMPED ? "lumped" : "network", "protocol",
-                            protocol_kind(o, s), "peak_force_N", record_peak(c), "final_force_N",
-                            c->force_N[c->n - 1], "final_depth_mm", 1e3 * c->depth_m[c->n - 1], "duration_s",
-                            c->time_s[c->n - 1], "steps", (json_int_t)s->info.steps, "rejected",
-                            (json_int_t)s->info.rejected, "iterations", (json_int_t)s->info.iterations,
-                            "worst_residual", s->info.worst_residual, "buckling", buckling);
+    json_t *all = json_pack(
+        "{s:o, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:o}", "model", json_plain(o->model), "kind",
+        s->model.kind == PALP_MODEL_LUMPED ? "lumped" : "network", "protocol", protocol_kind(o, s),
+        "peak_force_N", record_peak(c), "final_force_N", c->force_N[c->n - 1], "final_depth_mm",
+        1e3 * c->depth_m[c->n - 1], "duration_s", c->time_s[c->n - 1], "steps", (json_int_t)s->info.steps,
+        "rejected", (json_int_t)s->info.rejected, "iterations", (json_int_t)s->info.iterations,
+        "worst_residual", s->info.worst_residual, "buckling", buckling);
     if (s->network)
         json_object_set_new(all, "inverted", json_integer((json_int_t)s->info.inverted));
     size_t peak = 0;
