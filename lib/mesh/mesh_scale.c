@@ -276,7 +276,7 @@ static palp_status scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area
         gather_volumes(mesh, neighbour, mesh->scale);
     free(neighbour);
     if (status)
-        return palp_error_set(error, status, "%s", palp_status_text(status));
+        return palp_error_set(error, status, "the mesh's scaling: %s", palp_status_text(status));
     status = scale_by_volume(mesh, area_m2, error);
     if (!status && continuum && fit(mesh, area_m2))
         status = palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");

@@ -210,7 +210,8 @@ palp_status palp_network_create(const palp_mesh *mesh, const palp_material *mate
     status = build(net, mesh, n_supports, supports, &why);
     if (status) {
         palp_network_free(net);
-        return palp_error_set(error, status, "%s", why.text[0] ? why.text : palp_status_text(status));
+        return why.text[0] ? palp_error_set(error, status, "%s", why.text)
+                           : palp_error_set(error, status, "the network: %s", palp_status_text(status));
     }
     *network = net;
     return PALP_OK;

@@ -5,6 +5,7 @@
 #include "reduce_internal.h"
 
 #include "base/json.h"
+#include "base/text.h"
 #include "model/model_internal.h"
 
 #include <math.h>
@@ -149,18 +150,22 @@ palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, c
     char beside[PALP_PATH_MAX], *network = NULL;
     palp_file text, arrays_file;
     palp_status status = arrays_path(path, beside);
-    if (!status)
-        status = palp_model_format(model, &network);
+    const char *slash = status ? NULL : strrchr(beside, '/'), *file = slash ? slash + 1 : beside;
     if (status)
-        return palp_error_set(error, status, "%s: %s", path, palp_status_text(status));
+        return palp_error_set(error, status, "%s: not written: the path is too long", path);
+    if (!palp_text_is_utf8(file))
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "%s: not written: JSON cannot name the .bin file beside it, as it is not UTF-8", path);
+    status = palp_model_format(model, &network);
+    if (status)
+        return palp_error_set(error, status, "%s: not written: the model: %s", path, palp_status_text(status));
     status = palp_file_begin(&arrays_file, beside, error);
     if (!status) {
-        const char *slash = strrchr(beside, '/');
         status = palp_file_begin(&text, path, error);
         if (status)
             palp_file_abandon(&arrays_file);
         else
-            status = pair_write(r, network, slash ? slash + 1 : beside, &text, &arrays_file, error);
+            status = pair_write(r, network, file, &text, &arrays_file, error);
     }
     free(network);
     return status;

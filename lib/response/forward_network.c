@@ -167,7 +167,7 @@ static palp_status equip(forward_network *f, palp_error *error) {
     f->weight = calloc(m + 3 * n + 1, sizeof *f->weight);
     palp_status status = f->weight ? set_foundation(f) : PALP_ERR_NO_MEMORY;
     if (status)
-        return palp_error_set(error, status, "%s", palp_status_text(status));
+        return palp_error_set(error, status, "the network: %s", palp_status_text(status));
     f->peak_p[0] = f->weight + m;
     f->peak_p[1] = f->peak_p[0] + n;
     f->rest_p = f->peak_p[1] + n;
@@ -175,7 +175,7 @@ static palp_status equip(forward_network *f, palp_error *error) {
     f->damage.slack = 1e-3;
     if (plan->damaged)
         status = network_set_damage(f->net, &f->damage);
-    return status ? palp_error_set(error, status, "%s", palp_status_text(status)) : PALP_OK;
+    return status ? palp_error_set(error, status, "the network: %s", palp_status_text(status)) : PALP_OK;
 }
 
 palp_status forward_network_create(forward_plan *plan, const palp_network_settings *settings, double shortest,

@@ -93,7 +93,7 @@ static palp_status make_plate(palp_specimen *s, palp_error *error) {
         status = forward_sensor_create(&s->plan, 0, s->settings.fastest_m_s, &s->sensor);
     if (!status)
         status = forward_plate_start(&s->plate, &(forward_place){.depth = s->settings.start_m});
-    return status ? palp_error_set(error, status, "%s", palp_status_text(status)) : PALP_OK;
+    return status ? palp_error_set(error, status, "the specimen: %s", palp_status_text(status)) : PALP_OK;
 }
 
 palp_status palp_specimen_create(const palp_model *model, const palp_specimen_settings *settings,

@@ -128,7 +128,7 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     progress bar;
     palp_status status = static_start(o, s, &start);
     if (status)
-        return cli_status(NAME, status, NULL);
+        return cli_status_of(NAME, o->start ? o->start : o->lumped, status, NULL);
     progress_start(&bar, "static stage");
     settings.every_step = o->every_step;
     settings.progress = show_progress;

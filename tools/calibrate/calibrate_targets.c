@@ -185,7 +185,7 @@ static int press_from_run(const char *file, const palp_experiment *run, press_ta
         status = thin(n, time, depth, force_N + first, press->depth_m, &press->target);
     free(time);
     free(depth);
-    return status ? cli_status(NAME, status, NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, file, status, NULL) : CLI_OK;
 }
 
 /* By its path: one press, with or without a dwell. */
@@ -210,7 +210,7 @@ static int read_run(const char *file, calibrate_state *s) {
     palp_status status = kind_of(run, &kind);
     if (status) {
         code = status == PALP_ERR_ARGUMENT ? cli_failure(NAME, "%s: fewer than two samples", file)
-                                           : cli_status(NAME, status, NULL);
+                                           : cli_status_of(NAME, file, status, NULL);
     } else if (kind == PALP_RECORDING_STATIC && s->does_static) {
         code = static_from_run(file, run, s);
     } else if (kind == PALP_RECORDING_RAMP_HOLD && s->does_relaxation && s->n_presses < PRESSES_MAX) {
@@ -257,7 +257,7 @@ static int presses_from_lumped(const calibrate_options *o, calibrate_state *s) {
     for (size_t i = 0; i < n; i++) {
         palp_status status = press_from_lumped(o, s, depth_m[i], &s->press[s->n_presses++]);
         if (status)
-            return cli_status(NAME, status, NULL);
+            return cli_status_of(NAME, o->lumped, status, NULL);
     }
     return CLI_OK;
 }

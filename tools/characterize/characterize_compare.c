@@ -106,7 +106,7 @@ int characterize_compare(characterize_state *s) {
     for (size_t i = 0; i < s->n; i++) {
         palp_status status = compare_run(s, i);
         if (status)
-            return cli_status(NAME, status, NULL);
+            return cli_status_of(NAME, s->run[i].name, status, NULL);
     }
     return characterize_measure_spectra(s);
 }

@@ -195,7 +195,7 @@ static int assemble_grid(characterize_state *s) {
     palp_status status = s->n_static ? PALP_OK : characterize_law_of_depths(s, s->degree, &s->material.law);
     if (s->n_static)
         s->material.law = s->plain[0][s->degree];
-    return status ? cli_status(NAME, status, NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, "the law through the depths' K_inf", status, NULL) : CLI_OK;
 }
 
 /* The law holds to the deepest strain of the runs, and goes on along its tangent from there; where its force

@@ -81,7 +81,7 @@ static int join(const characterize_options *o, palp_experiment **run) {
     size_t of[CHARACTERIZE_RUNS_MAX];
     palp_status status = palp_experiment_join(o->n_words, (const palp_experiment *const *)run, whole, of);
     if (status)
-        return cli_failure(NAME, "%s", palp_status_text(status));
+        return cli_status_of(NAME, o->words[0], status, NULL);
     for (size_t i = 0; i < o->n_words; i++) {
         const bool part = of[i] != i;
         if (part)

@@ -33,7 +33,7 @@ int characterize_measure_spectra(characterize_state *s) {
             continue;
         palp_status status = palp_spectrum_measure(&s->run[i], &s->spectrum[i]);
         if (status)
-            return cli_status(NAME, status, NULL);
+            return cli_status_of(NAME, s->run[i].name, status, NULL);
     }
     return CLI_OK;
 }
@@ -156,7 +156,7 @@ static int write_model(FILE *to, const characterize_state *s) {
         palp_status status =
             characterize_model_spectrum(s, &s->material, depth, 1, &frequency, &storage, &loss);
         if (status)
-            return cli_status(NAME, status, NULL);
+            return cli_status_of(NAME, "the model's spectrum", status, NULL);
         fprintf(to, "model,%.9g,%.9g,%.9g,,,%.9g,,", frequency, 1e3 * depth, storage, loss);
         fprintf(to, isfinite(pascal) ? ",%.9g,%.9g\n" : ",,\n", pascal * storage, pascal * loss);
     }

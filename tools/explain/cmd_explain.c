@@ -140,7 +140,7 @@ static int read_runs(const explain_options *o, palp_explain_input *input, palp_e
     for (size_t r = 0; r < o->n_words; r++) {
         palp_status status = every > 1 ? explain_thin(&run[r], every) : PALP_OK;
         if (status)
-            return cli_status(NAME, status, NULL);
+            return cli_status_of(NAME, o->words[r], status, NULL);
         input[r] = (palp_explain_input){run[r], o->words[r]};
     }
     if (every > 1 && !o->every)
@@ -215,7 +215,7 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     if (code == CLI_OK) {
         extend_range(&model, o->n_words, run);
         palp_status status = watched(o, &model, input, &s, &e, &error);
-        code = status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;
+        code = status ? cli_status_of(NAME, o->model, status, &error) : CLI_OK;
     }
     if (code == CLI_OK) {
         json_t *result = explain_json(o, &e);

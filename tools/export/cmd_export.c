@@ -93,7 +93,7 @@ static int write_deck(const export_options *o, const palp_model *model, const ch
     palp_status status = calculix_write(&deck, file.stream);
     if (status) {
         palp_file_abandon(&file);
-        return cli_status("export", status, NULL);
+        return cli_status_of("export", path, status, NULL);
     }
     return cli_file_close("export", &file);
 }

@@ -169,5 +169,5 @@ int import_write(const import_options *o, const import_source *s) {
     status = status ? status : fill(o, s, run);
     status = status ? status : palp_experiment_write(run, path, &error);
     palp_experiment_free(run);
-    return status ? cli_status(NAME, status, &error) : CLI_OK;
+    return status ? cli_status_of(NAME, path, status, &error) : CLI_OK;
 }

@@ -202,8 +202,7 @@ static int snapshots_of_all(reduction *r) {
     progress_finish(&r->bar);
     if (r->status) {
         palp_error error = {r->status, ""};
-        int n = snprintf(error.text, sizeof error.text, "%s: ", r->run[r->failed].file);
-        snprintf(error.text + n, sizeof error.text - (size_t)n, "%.300s",
+        snprintf(error.text, sizeof error.text, "%.200s: %.300s", r->run[r->failed].file,
                  r->error.text[0] ? r->error.text : palp_status_text(r->status));
         return cli_status(NAME, r->status, &error);
     }
@@ -223,8 +222,10 @@ static int reduce(reduction *r) {
         status = palp_reduced_create(net, n[0], list[0], n[1], list[1], &r->options->settings, &r->reduced,
                                      held, &error);
     palp_network_free(net);
+    if (status == PALP_ERR_ARGUMENT && error.text[0])
+        return cli_failure(NAME, "%s%s: %s", r->run[0].file, r->n > 1 ? " and the other runs" : "", error.text);
     if (status)
-        return cli_status(NAME, status, &error);
+        return cli_status_of(NAME, r->options->model, status, &error);
     for (size_t i = 0, k = 0; i < r->n; i++)
         if (r->run[i].held_out)
             r->run[i].error = held[k++];

@@ -110,8 +110,10 @@ int cli_usage_error(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
 int cli_failure(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
 void cli_warning(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
 
-/* The same for a failed library call; error may be NULL. 3 where a solver gave up, else 1. */
+/* The same for a failed library call: error's text, else "WHAT: " and that of the status; what is the file or
+ * option that is meant. 3 where a solver gave up, else 1. */
 int cli_status(const char *name, palp_status status, const palp_error *error);
+int cli_status_of(const char *name, const char *what, palp_status status, const palp_error *error);
 
 /* The whole of text as a finite number, or as numbers between commas (up to CLI_LIST_MAX). */
 bool cli_read_number(const char *text, double *value);

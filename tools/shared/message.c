@@ -56,9 +56,16 @@ void cli_warning(const char *name, const char *format, ...) {
     va_end(arguments);
 }
 
-int cli_status(const char *name, palp_status status, const palp_error *error) {
+int cli_status_of(const char *name, const char *what, palp_status status, const palp_error *error) {
     bool gave_up =
         status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
-    cli_failure(name, "%s", error && error->text[0] ? error->text : palp_status_text(status));
+    if (error && error->text[0])
+        cli_failure(name, "%s", error->text);
+    else
+        cli_failure(name, what ? "%s: %s" : "%s%s", what ? what : "", palp_status_text(status));
     return gave_up ? CLI_NOT_CONVERGED : CLI_FAILURE;
+}
+
+int cli_status(const char *name, palp_status status, const palp_error *error) {
+    return cli_status_of(name, NULL, status, error);
 }

@@ -151,7 +151,7 @@ static int make_path(const simulate_options *o, const palp_experiment *like, boo
         status = palp_path_creep(o->force_N, o->ramp_s, o->hold_s, path);
     if (status == PALP_ERR_INPUT)
         return cli_failure(NAME, "%s: needs at least two samples to follow", o->like);
-    return status ? cli_status(NAME, status, NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, o->like ? o->like : "--protocol", status, NULL) : CLI_OK;
 }
 
 static int check_path(const simulate_options *o, const palp_path *path, double height_m) {
@@ -217,7 +217,7 @@ static int run_lumped(const simulate_options *o, simulation *s) {
     }
     s->info.steps = s->curve.n ? s->curve.n - 1 : 0;
     s->info.peak_force_N = record_peak(&s->curve);
-    return status ? cli_status(NAME, status, NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, o->model, status, NULL) : CLI_OK;
 }
 
 /* Whether the specimen, moved as if it were glued to the plate, pulls at it. */

@@ -72,5 +72,5 @@ int simulate_band(const simulate_options *o, simulation *s) {
                     o->model);
     status = status ? status : find(s, covariance, &error);
     free(covariance);
-    return status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, o->model, status, &error) : CLI_OK;
 }

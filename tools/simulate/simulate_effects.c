@@ -127,5 +127,5 @@ int simulate_effects(const simulate_options *o, simulation *s) {
     s->recorded = true;
     palp_status status = run_forward(o, s, &error);
     s->info.peak_force_N = record_peak(&s->curve);
-    return status ? cli_status(NAME, status, error.text[0] ? &error : NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, o->model, status, &error) : CLI_OK;
 }

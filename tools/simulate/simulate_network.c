@@ -23,8 +23,7 @@ int simulate_mesh(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
     if (status)
-        return error.text[0] ? cli_status(NAME, status, &error)
-                             : cli_failure(NAME, "%s: %s", o->model, palp_status_text(status));
+        return cli_status_of(NAME, o->model, status, &error);
     palp_mesh_bounds(s->mesh, low, high);
     s->height_m = high[1] - low[1];
     return CLI_OK;

@@ -57,5 +57,5 @@ int simulate_reduced(const simulate_options *o, simulation *s) {
         s->info.steps += i > 0;
     }
     free(time_s);
-    return status ? cli_status(NAME, status, NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, o->model, status, NULL) : CLI_OK;
 }

@@ -156,7 +156,7 @@ int simulate_report(const simulate_options *o, const simulation *s) {
     if (status == PALP_OK && (o->out || !o->json))
         status = palp_experiment_write(run, o->out ? o->out : "/dev/stdout", &error);
     if (status)
-        code = cli_status(NAME, status, &error);
+        code = cli_status_of(NAME, o->out ? o->out : "the run", status, &error);
     else if (o->json)
         code = json_print(NAME, summary(o, s));
     palp_experiment_free(run);

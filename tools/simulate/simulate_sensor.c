@@ -70,7 +70,7 @@ int simulate_resample(const simulate_options *o, palp_path *path) {
         return cli_usage_error(NAME, "%g s at %g Hz are too many samples; lower --sample-Hz",
                                o->air_s + path->time_s[path->n - 1], o->sample_Hz);
     palp_status status = resample(o, path);
-    return status ? cli_status(NAME, status, NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, o->sample_Hz > 0 ? "--sample-Hz" : o->model, status, NULL) : CLI_OK;
 }
 
 palp_status simulate_samples(const simulate_options *o, const palp_path *path, size_t *n, double **time_s) {
@@ -150,7 +150,7 @@ int simulate_sense(const simulate_options *o, simulation *s) {
     bool picked = o->sample_Hz <= 0 || s->recorded;
     palp_status status = !picked ? pick(o, &s->path, &s->curve) : PALP_OK;
     if (status)
-        return cli_status(NAME, status, NULL);
+        return cli_status_of(NAME, o->sample_Hz > 0 ? "--sample-Hz" : o->model, status, NULL);
     disturb(o, &s->curve);
     return s->curve.n > 0 ? CLI_OK : cli_usage_error(NAME, "--drop leaves no sample");
 }
