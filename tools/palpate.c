@@ -97,7 +97,7 @@ static int run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-    blas_one_thread();
+    blas_one_thread(argv);
     if (argc < 2) {
         help(stderr);
         return CLI_USAGE;

@@ -34,6 +34,9 @@ typedef struct palp_explain_settings {
     void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all.
                                                    The loop's threads call it too, several at once */
     void *progress_user;
+    bool (*stop)(void *user); /* NULL, or asked before each candidate, by the loop's threads too: true ends the
+                                 search, and what it has found so far is the result */
+    void *stop_user;
 } palp_explain_settings;
 
 PALP_API palp_explain_settings palp_explain_settings_default(void);
@@ -176,6 +179,7 @@ typedef struct palp_explain_next {
 /* The result; palp_explanation_free. */
 typedef struct palp_explanation {
     palp_explain_verdict verdict;
+    bool stopped;           /* by settings.stop: candidates were left that nothing tried */
     palp_model base, model; /* refitted as given, and with the effects; their mesh is the given model's */
     size_t n_effects;
     palp_explain_effect effect[PALP_EXPLAIN_EFFECTS];

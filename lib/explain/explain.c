@@ -238,6 +238,11 @@ static palp_status search(explain_search *s, palp_explanation *e, double share) 
             status = explain_null_threshold(s, &threshold, NULL);
         if (!status)
             status = explain_try_all(s);
+        if (status == PALP_ERR_STOPPED) {
+            e->stopped = true;
+            status = PALP_OK;
+            break;
+        }
         for (size_t i = 0; i < PALP_EFFECT_COUNT; i++)
             if (out[i])
                 explain_fit_free(&s->trial[i].fit);
@@ -367,7 +372,7 @@ static palp_status explain(explain_search *s, palp_explanation *e) {
     explain_tell(s, OPENING);
     if (!status)
         status = search(s, e, SEARCH);
-    if (!status && s->law_changed && explain_added_count(s) > 0)
+    if (!status && s->law_changed && explain_added_count(s) > 0 && !e->stopped)
         status = search_again(s, e, &base);
     else
         explain_tell(s, AGAIN);

@@ -147,9 +147,17 @@ static void multistart(work *w, size_t i) {
     }
 }
 
+static bool stop_asked(work *w, size_t i) {
+    const palp_explain_settings *settings = w->search->settings;
+    bool stop = settings->stop && settings->stop(settings->stop_user);
+    w->status[i] = stop ? PALP_ERR_STOPPED : w->status[i];
+    return stop;
+}
+
 static void multistart_task(void *user, size_t i) {
     work *w = user;
-    multistart(w, i);
+    if (!stop_asked(w, i))
+        multistart(w, i);
     explain_tell(w->search, 0.5 * w->search->step_share / PALP_EFFECT_COUNT);
 }
 
@@ -167,7 +175,8 @@ static void finish(work *w, size_t i) {
 
 static void finish_task(void *user, size_t i) {
     work *w = user;
-    finish(w, i);
+    if (!stop_asked(w, i))
+        finish(w, i);
     explain_tell(w->search, 0.5 * w->search->step_share / PALP_EFFECT_COUNT);
 }
 

@@ -9,10 +9,13 @@
 #include "shared/opening.h"
 #include "shared/progress.h"
 
+#include <errno.h>
 #include <math.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char NAME[] = "explain";
 
@@ -181,6 +184,26 @@ static void show_progress(void *user, double share) {
     pthread_mutex_unlock(&w->lock);
 }
 
+/* Ctrl-C ends the search, and what it has found is told; once more, it ends the command. */
+static volatile sig_atomic_t stop_wanted;
+static struct sigaction before_stop;
+
+static void on_stop(int number) {
+    static const char said[] =
+        "\npalpate explain: stopping; what was found is written, Ctrl-C again ends at once\n";
+    int saved = errno;
+    stop_wanted = 1;
+    sigaction(number, &before_stop, NULL);
+    if (write(STDERR_FILENO, said, sizeof said - 1) < 0)
+        stop_wanted = 1;
+    errno = saved;
+}
+
+static bool asked_to_stop(void *user) {
+    (void)user;
+    return stop_wanted != 0;
+}
+
 static palp_status watched(const explain_options *o, const palp_model *model, const palp_explain_input *input,
                            palp_explain_settings *s, palp_explanation *e, palp_error *error) {
     watch w = {.done = 0};
@@ -188,7 +211,13 @@ static palp_status watched(const explain_options *o, const palp_model *model, co
     progress_start(&w.bar, "explain");
     s->progress = show_progress;
     s->progress_user = &w;
+    s->stop = asked_to_stop;
+    struct sigaction act = {.sa_handler = on_stop};
+    sigaction(SIGINT, NULL, &before_stop);
+    if (before_stop.sa_handler != SIG_IGN)
+        sigaction(SIGINT, &act, NULL);
     palp_status status = palp_explain(model, o->n_words, input, s, e, error);
+    sigaction(SIGINT, &before_stop, NULL);
     progress_finish(&w.bar);
     pthread_mutex_destroy(&w.lock);
     return status;
@@ -225,6 +254,7 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
         if (!o->json)
             json_decref(result);
         code = code ? code : write_out(o, &e);
+        code = code == CLI_OK && e.stopped ? CLI_NOT_CONVERGED : code;
         palp_explanation_free(&e);
     }
     return code;

@@ -240,6 +240,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "palpate", json_pack("{s:i}", "explain", 1));
     json_object_set_new(root, "command", json_string(o->command));
     json_object_set_new(root, "verdict", json_string(palp_explain_verdict_name(e->verdict)));
+    json_object_set_new(root, "stopped", json_boolean(e->stopped));
     json_object_set_new(root, "contact", json_string(contacts[o->contact]));
     json_object_set_new(root, "effects", effects);
     json_object_set_new(root, "gap", gap_json(e));

@@ -181,6 +181,8 @@ void page_story_tell(const json_t *all, page_story *story) {
                                 "effect is missing."
                   : page_verdict(json_text_at(all, "verdict"),
                                  json_number_at(json_object_get(all, "gap"), "unexplained_N")));
+    if (json_is_true(json_object_get(all, "stopped")))
+        add(story, "The search was stopped early: effects may be missing that were not tried.");
     add_gap(story, all);
     add_law(story, all);
     add_scatter(story, all);

@@ -1,9 +1,14 @@
 /* blas.c: see blas.h. */
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 #include "blas.h"
 #include "cli.h"
 
 #include <dlfcn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 typedef void (*any_function)(void);
 
@@ -20,16 +25,42 @@ static any_function find(const char *name) {
     return symbol.function;
 }
 
-void blas_one_thread(void) {
+/* Whether so many threads find what OpenBLAS takes for each that uses it, and 32 MiB for the rest: it tries
+ * again for ever where it does not. */
+static bool fits(size_t threads) {
+    const size_t bytes = (threads * 128 + 32) << 20;
+    void *room = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return room != MAP_FAILED && munmap(room, bytes) == 0;
+}
+
+void blas_one_thread(char **argv) {
     void (*limit)(int) = (void (*)(int))find("openblas_set_num_threads");
-    if (limit)
-        limit(1);
+    const char *threads = getenv("OPENBLAS_NUM_THREADS");
+    struct rlimit space;
+    if (!limit)
+        return;
+    bool limited = getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
+    if (limited && !(threads && strcmp(threads, "1") == 0) && setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0)
+        execv("/proc/self/exe", argv); /* rid of the threads that it started, which may wait for memory */
+    if (!fits(1)) {
+        cli_failure(NULL, "too little memory: at least 160 MiB are needed; see ulimit -v");
+        _exit(CLI_FAILURE); /* OpenBLAS would wait for its threads */
+    }
+    limit(1);
 }
 
 size_t blas_jobs(const char *name, size_t wanted) {
     int (*parallel)(void) = (int (*)(void))find("openblas_get_parallel");
-    if (wanted < 2 || !parallel || parallel() != 0)
+    size_t jobs = wanted;
+    if (wanted < 2 || !parallel)
         return wanted;
-    cli_warning(name, "one job at a time: this OpenBLAS has no locks (install libopenblas0-pthread)");
-    return 1;
+    if (parallel() == 0) {
+        cli_warning(name, "one job at a time: this OpenBLAS has no locks (install libopenblas0-pthread)");
+        return 1;
+    }
+    while (jobs > 1 && !fits(jobs))
+        jobs--;
+    if (jobs < wanted)
+        cli_warning(name, "%zu jobs at a time: there is no memory for more", jobs);
+    return jobs;
 }

@@ -1,6 +1,7 @@
 /* output.c: files that a command writes: what must not be replaced, and how they are closed. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli.h"
+#include "temporary.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -80,6 +81,7 @@ int cli_output_check(const char *name, const char *path, bool force, size_t n_in
                      const char *const inputs[]) {
     if (strncmp(path, "/dev/", 5) == 0)
         return CLI_OK;
+    temporary_tidy_on_signal(path);
     for (size_t i = 0; i < n_inputs; i++)
         if (is_input(path, inputs[i]))
             return cli_failure(name, "%s: is an input or named twice: name another output", path);
@@ -107,8 +109,9 @@ static int check_folder(const cli_command *command, const cli_option *o, bool fo
     char path[CLI_PATH_MAX];
     const char *folder = *o->to.text;
     int code = CLI_OK;
+    snprintf(path, sizeof path, "%s/", folder);
+    temporary_tidy_on_signal(path);
     for (size_t i = 0; i < n && code == CLI_OK; i++) {
-        snprintf(path, sizeof path, "%s/", folder);
         if (matches(o->files, cli_base(others[i])) && stands_together(others[i], path))
             code = cli_failure(command->name, "%s: is an input or named twice: --%s would replace it",
                                others[i], o->name);

@@ -1,0 +1,71 @@
+/* temporary.c: what the files that are being written leave behind when a signal ends the command. */
+#define _GNU_SOURCE /* getdents64 */
+#include "temporary.h"
+#include "cli.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The folders that this command writes to. A file that is being written there is called NAME.PID.N.tmp
+ * (palpate/file.h), also by the library, which catches no signal. */
+enum { FOLDERS_MAX = 64 };
+static int n_folders;
+static char *folders[FOLDERS_MAX], temporary_mark[32]; /* ".PID." */
+
+static bool is_ours(const char *name) {
+    size_t digits = 0;
+    for (const char *at = name; (at = strstr(at, temporary_mark)) != NULL; at++) {
+        digits = strspn(at + strlen(temporary_mark), "0123456789");
+        if (digits > 0 && strcmp(at + strlen(temporary_mark) + digits, ".tmp") == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Calls only what a handler may call. */
+static void tidy(const char *path) {
+    union {
+        char bytes[4096];
+        struct dirent64 first;
+    } list;
+    int folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    for (ssize_t n; folder >= 0 && (n = getdents64(folder, list.bytes, sizeof list)) > 0;)
+        for (ssize_t at = 0; at < n;) {
+            const struct dirent64 *entry = (const void *)(list.bytes + at);
+            if (is_ours(entry->d_name))
+                unlinkat(folder, entry->d_name, 0);
+            at += entry->d_reclen;
+        }
+    if (folder >= 0)
+        close(folder);
+}
+
+static void on_end(int number) {
+    for (int i = 0; i < n_folders; i++)
+        tidy(folders[i]);
+    raise(number); /* as if it had not been caught, when this returns: SA_RESETHAND */
+}
+
+void temporary_tidy_on_signal(const char *path) {
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    char *target = *cli_base(path) ? realpath(path, NULL) : NULL; /* of a link the folder of its target */
+    const char *file = target ? target : path;
+    char folder[CLI_PATH_MAX];
+    snprintf(folder, sizeof folder, "%.*s.", (int)(cli_base(file) - file), file);
+    free(target);
+    for (int i = 0; i < n_folders; i++)
+        if (strcmp(folders[i], folder) == 0)
+            return;
+    if (n_folders == FOLDERS_MAX || !(folders[n_folders] = strdup(folder)))
+        return;
+    snprintf(temporary_mark, sizeof temporary_mark, ".%ld.", (long)getpid());
+    struct sigaction act = {.sa_handler = on_end, .sa_flags = (int)SA_RESETHAND}, before;
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0] && n_folders == 0; i++)
+        if (sigaction(numbers[i], NULL, &before) == 0 && before.sa_handler == SIG_DFL)
+            sigaction(numbers[i], &act, NULL);
+    n_folders++;
+}
