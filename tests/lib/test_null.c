@@ -155,6 +155,7 @@ START_TEST(null_in_file) {
     REFUSED(palp_file_commit_pair(NULL, (void *)storage, false, NULL));
     REFUSED(palp_file_commit_pair((void *)storage, NULL, false, NULL));
     palp_file_abandon(NULL);
+    NOTHING(palp_text_make_plain(NULL) == NULL);
 }
 END_TEST
 

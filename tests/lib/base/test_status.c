@@ -4,7 +4,11 @@
 #include <palpate/version.h>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "scratch.h"
+
+#include <errno.h>
+#include <sys/stat.h>
 
 START_TEST(every_status_has_a_text_and_a_name) {
     for (int i = 0; i < PALP_STATUS_COUNT; i++) {
@@ -57,6 +61,55 @@ START_TEST(error_longer_than_its_room_is_cut) {
 }
 END_TEST
 
+/* Of a long path the end, and the reason. */
+START_TEST(reason_of_a_long_path_is_said) {
+    palp_error error;
+    char path[2 * PALP_ERROR_TEXT];
+    memset(path, 'p', sizeof path);
+    strcpy(path + sizeof path - 6, "a.csv");
+    palp_error_set_file(&error, path, "cannot open", ENOENT);
+    ck_assert_ptr_nonnull(strstr(error.text, "ppa.csv: cannot open: No such file or directory"));
+}
+END_TEST
+
+/* Each byte that is replaced is one '?': controls, C1 controls, bidirectional and separators, and what is no
+ * UTF-8: Latin-1, a character cut off, overlong forms, a surrogate, beyond the last character. */
+START_TEST(any_bytes_become_plain_text) {
+    static const char *const text[][2] = {
+        {"", ""},
+        {"plain ~ text", "plain ~ text"},
+        {"Gr\xC3\xB6\xC3\x9F"
+         "e \xE9\xAB\x98 \xF0\x9F\x98\x80",
+         "Gr\xC3\xB6\xC3\x9F"
+         "e \xE9\xAB\x98 \xF0\x9F\x98\x80"},
+        {"a\nb\tc\033[2J\177\a", "a?b?c?[2J??"},
+        {"\xC2\x9B"
+         "2J\xC2\xA0",
+         "??2J\xC2\xA0"},
+        {"\xE2\x80\xAE\xE2\x80\xA8\xE2\x81\xA6\xE2\x80\xA7", "?????????\xE2\x80\xA7"},
+        {"Gr\xF6\xDF"
+         "e",
+         "Gr??e"},
+        {"a\xE9\xAB", "a??"},
+        {"\xE9\xAB"
+         "a",
+         "??a"},
+        {"\xC0\xAF\xE0\x80\xAF\xF0\x80\x80\xAF", "?????????"},
+        {"\xED\xA0\x80\xED\x9F\xBF", "???\xED\x9F\xBF"},
+        {"\xF4\x8F\xBF\xBF\xF4\x90\x80\x80\xF5\x80\xFF", "\xF4\x8F\xBF\xBF???????"},
+    };
+    for (size_t i = 0; i < sizeof text / sizeof text[0]; i++) {
+        char bytes[64];
+        strcpy(bytes, text[i][0]);
+        ck_assert_ptr_eq(palp_text_make_plain(bytes), bytes);
+        ck_assert_str_eq(bytes, text[i][1]);
+        ck_assert(palp_text_is_utf8(bytes));
+        bool utf8 = i != 6 && i != 7 && i != 8 && i != 9 && i != 10 && i != 11;
+        ck_assert_int_eq(palp_text_is_utf8(text[i][0]), utf8);
+    }
+}
+END_TEST
+
 START_TEST(committed_file_replaces_and_abandoned_does_not) {
     palp_file file;
     palp_error error;
@@ -91,6 +144,55 @@ START_TEST(symbolic_link_is_followed) {
     ck_assert_str_eq(text, "new");
     ck_assert_int_eq((int)readlink(link, target, sizeof target - 1), 5);
     free(text);
+}
+END_TEST
+
+/* What a link points to is made where it is not there, and a loop of links is an error. */
+START_TEST(dangling_link_is_followed) {
+    palp_file file;
+    palp_error error;
+    const char *link = scratch_path("link.txt"), *loop = scratch_path("loop.txt");
+    ck_assert_int_eq(symlink("second.txt", link), 0);
+    ck_assert_int_eq(symlink("made.txt", scratch_path("second.txt")), 0);
+    ck_assert_int_eq(symlink("loop.txt", loop), 0);
+    ck_assert_int_eq(palp_file_begin(&file, link, NULL), PALP_OK);
+    fputs("new", file.stream);
+    ck_assert_int_eq(palp_file_commit(&file, false, NULL), PALP_OK);
+    char *text = scratch_read(scratch_path("made.txt")), target[16] = "";
+    ck_assert_str_eq(text, "new");
+    ck_assert_int_eq((int)readlink(link, target, sizeof target - 1), 10);
+    free(text);
+    ck_assert_int_eq(palp_file_begin(&file, loop, &error), PALP_ERR_FILE);
+    ck_assert_ptr_nonnull(strstr(error.text, "cannot write: Too many levels of symbolic links"));
+}
+END_TEST
+
+START_TEST(replaced_file_keeps_its_permissions) {
+    palp_file file;
+    struct stat info;
+    const char *path = scratch_write("a.txt", "old", 3);
+    const mode_t modes[] = {0600, 0664, 0440};
+    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        ck_assert_int_eq(chmod(path, modes[i]), 0);
+        ck_assert_int_eq(palp_file_begin(&file, path, NULL), PALP_OK);
+        ck_assert_int_eq(palp_file_commit(&file, false, NULL), PALP_OK);
+        ck_assert_int_eq(stat(path, &info), 0);
+        ck_assert_uint_eq(info.st_mode & 07777, modes[i]);
+    }
+}
+END_TEST
+
+/* The temporary's name is no longer than a name may be. */
+START_TEST(longest_name_is_written) {
+    palp_file file;
+    char name[256];
+    memset(name, 'n', 255);
+    name[255] = '\0';
+    const char *path = scratch_path(name);
+    palp_status status = palp_file_begin(&file, path, NULL);
+    ck_assert_int_eq(status, PALP_OK);
+    ck_assert_int_eq(palp_file_commit(&file, false, NULL), PALP_OK);
+    ck_assert_int_eq(access(path, R_OK), 0);
 }
 END_TEST
 
@@ -182,8 +284,13 @@ void tests(TCase *tc) {
     tcase_add_test(tc, version_is_that_of_the_headers);
     tcase_add_test(tc, error_is_one_line);
     tcase_add_test(tc, error_longer_than_its_room_is_cut);
+    tcase_add_test(tc, reason_of_a_long_path_is_said);
+    tcase_add_test(tc, any_bytes_become_plain_text);
     tcase_add_test(tc, committed_file_replaces_and_abandoned_does_not);
     tcase_add_test(tc, symbolic_link_is_followed);
+    tcase_add_test(tc, dangling_link_is_followed);
+    tcase_add_test(tc, replaced_file_keeps_its_permissions);
+    tcase_add_test(tc, longest_name_is_written);
     tcase_add_test(tc, device_is_written_in_place);
     tcase_add_test(tc, full_device_is_named_late_too);
     tcase_add_test(tc, pair_is_replaced_as_a_pair);

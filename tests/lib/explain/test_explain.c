@@ -365,6 +365,37 @@ START_TEST(the_order_of_the_tasks_changes_no_bit) {
 }
 END_TEST
 
+/* Of the calls of the search so many are let through. */
+static bool no_more(void *user) {
+    int *left = user;
+    return (*left)-- <= 0;
+}
+
+/* Stopped at once nothing is named; stopped after the first effect, that one is, and stays. */
+START_TEST(a_search_that_is_stopped_tells_what_it_found) {
+    palp_model truth = with(PALP_EFFECT_COULOMB_FRICTION, 0.06);
+    palp_explain_settings s = palp_explain_settings_default();
+    session(&truth);
+    only_friction_and_its_like(&s);
+    s.stop = no_more;
+    for (int found = 0; found < 2; found++) {
+        int left = found ? 2 * PALP_EFFECT_COUNT : 0;
+        palp_explanation e;
+        s.stop_user = &left;
+        explain(&s, &e);
+        ck_assert(e.stopped);
+        ck_assert_uint_eq(e.n_effects, (size_t)found);
+        ck_assert(e.gap.noise_level_N > 0 && isfinite(e.gap.after_N) && e.n_runs > 0);
+        if (found)
+            ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_COULOMB_FRICTION);
+        else
+            ck_assert_int_eq(e.verdict, PALP_EXPLAIN_UNEXPLAINED);
+        palp_explanation_free(&e);
+    }
+    session_end();
+}
+END_TEST
+
 START_TEST(a_run_held_out_is_not_fitted) {
     size_t held_out[] = {2};
     palp_model truth = with(PALP_EFFECT_SENSOR_BIAS, 0.05);
@@ -478,6 +509,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, the_added_arm_is_the_hidden_one);
     tcase_add_test(tc, an_interval_follows_the_likelihood);
     tcase_add_test(tc, the_order_of_the_tasks_changes_no_bit);
+    tcase_add_test(tc, a_search_that_is_stopped_tells_what_it_found);
     tcase_add_test(tc, a_run_held_out_is_not_fitted);
     tcase_add_test(tc, damage_lasts_for_the_session);
     tcase_add_test(tc, the_next_run_tells_more_than_those_at_hand);
