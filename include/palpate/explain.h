@@ -34,8 +34,8 @@ typedef struct palp_explain_settings {
     void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all.
                                                    The loop's threads call it too, several at once */
     void *progress_user;
-    bool (*stop)(void *user); /* NULL, or asked before each candidate, by the loop's threads too: true ends the
-                                 search, and what it has found so far is the result */
+    bool (*stop)(void *user); /* NULL, or asked before each candidate, by the loop's threads too: true ends
+                                 the search, and what it has found so far is the result */
     void *stop_user;
 } palp_explain_settings;
 

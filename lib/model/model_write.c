@@ -56,9 +56,11 @@ static bool shape_valid(const palp_model *model) {
 
 /* Nothing is written that could not be read again. */
 static palp_status model_check(const palp_model *model, palp_error *error) {
-    if (model->kind == PALP_MODEL_NETWORK && model->mesh && model->mesh->kind == PALP_MESH_FILE && !palp_text_is_utf8(model->mesh->path))
-        return palp_error_set(error, PALP_ERR_ARGUMENT,
-                              "the path of its mesh is not UTF-8, as text in JSON has to be; rename the mesh");
+    if (model->kind == PALP_MODEL_NETWORK && model->mesh && model->mesh->kind == PALP_MESH_FILE &&
+        !palp_text_is_utf8(model->mesh->path))
+        return palp_error_set(
+            error, PALP_ERR_ARGUMENT,
+            "the path of its mesh is not UTF-8, as text in JSON has to be; rename the mesh");
     if (!shape_valid(model))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the model's specimen or mesh is out of range");
     palp_status status = palp_material_check(&model->material, error);

@@ -155,10 +155,12 @@ palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, c
         return palp_error_set(error, status, "%s: not written: the path is too long", path);
     if (!palp_text_is_utf8(file))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
-                              "%s: not written: JSON cannot name the .bin file beside it, as it is not UTF-8", path);
+                              "%s: not written: JSON cannot name the .bin file beside it, as it is not UTF-8",
+                              path);
     status = palp_model_format(model, &network);
     if (status)
-        return palp_error_set(error, status, "%s: not written: the model: %s", path, palp_status_text(status));
+        return palp_error_set(error, status, "%s: not written: the model: %s", path,
+                              palp_status_text(status));
     status = palp_file_begin(&arrays_file, beside, error);
     if (!status) {
         status = palp_file_begin(&text, path, error);

@@ -223,7 +223,8 @@ static int reduce(reduction *r) {
                                      held, &error);
     palp_network_free(net);
     if (status == PALP_ERR_ARGUMENT && error.text[0])
-        return cli_failure(NAME, "%s%s: %s", r->run[0].file, r->n > 1 ? " and the other runs" : "", error.text);
+        return cli_failure(NAME, "%s%s: %s", r->run[0].file, r->n > 1 ? " and the other runs" : "",
+                           error.text);
     if (status)
         return cli_status_of(NAME, r->options->model, status, &error);
     for (size_t i = 0, k = 0; i < r->n; i++)

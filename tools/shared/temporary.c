@@ -52,10 +52,11 @@ static void on_end(int number) {
 
 void temporary_tidy_on_signal(const char *path) {
     static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    char *target = *cli_base(path) ? realpath(path, NULL) : NULL; /* of a link the folder of its target */
-    const char *file = target ? target : path;
+    const char *slash = strrchr(path, '/');
+    char *target = slash && !slash[1] ? NULL : realpath(path, NULL); /* of a link the folder of its target */
+    const char *file = target ? target : path, *last = strrchr(file, '/');
     char folder[CLI_PATH_MAX];
-    snprintf(folder, sizeof folder, "%.*s.", (int)(cli_base(file) - file), file);
+    snprintf(folder, sizeof folder, "%.*s.", last ? (int)(last + 1 - file) : 0, file);
     free(target);
     for (int i = 0; i < n_folders; i++)
         if (strcmp(folders[i], folder) == 0)
