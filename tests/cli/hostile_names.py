@@ -11,6 +11,7 @@ import subprocess
 import sys
 
 PALPATE, LUMPED, NETWORK, RUN = (os.path.abspath(a) for a in sys.argv[1:])
+ACQUIRED = (1, 10, 15, 19)  # a press takes a second
 BIN = os.path.abspath("bin")
 LONGEST = 255 - len(b".simulated.csv")
 NAMES = {
@@ -73,7 +74,7 @@ def run(wanted, *arguments, told=None):
     return done.stdout
 
 
-def every_command(name):
+def every_command(number, name):
     def of(end):
         return name + end
     lumped, network, recording, raw = of(b".json"), of(b".network.json"), of(b".csv"), of(b".txt")
@@ -90,11 +91,18 @@ def every_command(name):
     json.loads(run(0, b"simulate", b"--like", recording, b"--json", b"--", lumped))
     run(0, b"import", b"--specimen-height-mm", b"24", b"--specimen-name", name, b"--out", of(b".d"), b"--", raw)
     run(0, b"report", b"--out", of(b".e.html"), b"--", recording, lumped, of(b".b.json"), of(b".simulated.csv"))
+    with open(of(b".e.html"), "rb") as f:
+        assert b"Simulation against recordings" in f.read(), "the simulation is not beside its recording"
     run(0, b"calibrate", b"--nodes", b"2", b"--stage", b"static", b"--out", of(b".f.json"), b"--", lumped)
     run(0, b"export", b"--strain", b"0.1", b"--out", of(b".g.inp"), b"--", network)
     named = name.decode(errors="ignore").encode() == name  # what JSON can name
     run(0 if named and b"," not in name else 1, b"reduce", b"--runs", recording, b"--hold-out", b"0", b"--modes", b"2", b"--samples",
         b"5", b"--out", of(b".h.json"), b"--", network)
+    if number in ACQUIRED:
+        run(0, b"acquire", b"--port", b"rig:" + lumped, b"--firmware", b"host", b"--static", b"--depth-mm", b"0.5",
+            b"--rate-mm-s", b"4", b"--specimen-name", name, b"--out", of(b".j"), b"--log", of(b".k.log"))
+        with open(os.path.join(of(b".j"), b"static_0.5mm.csv"), "rb") as f:
+            assert b"# specimen.name: " in f.read(), "the specimen has no name"
     run(0, b"rig", b"--firmware", b"host", b"--until-s", b"0.002", b"--model", lumped, b"--log", of(b".i.log"))
     shown = "".join(chr(c) if 32 <= c < 127 else "?" for c in name[:4]) if name.isascii() else ""
     for command in (b"characterize", b"simulate", b"calibrate", b"export", b"report", b"import", b"reduce"):
@@ -120,7 +128,7 @@ def main():
         os.mkdir("name%d" % number)
         os.chdir("name%d" % number)
         try:
-            every_command(name)
+            every_command(number, name)
         except (AssertionError, ValueError, OSError) as error:
             print("FAILED: %s (%r): %s" % (kind, name[:40], error))
             bad += 1

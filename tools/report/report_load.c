@@ -216,6 +216,7 @@ static int add_file(report *r, const char *path, bool must_read) {
     file->size = (long long)entry.st_size;
     file->modified = entry.st_mtime;
     load(file);
+    palp_text_make_plain(file->path); /* only shown from here on, and compared with names in results */
     return say_note(file, must_read);
 }
 
