@@ -137,8 +137,11 @@ static int open_temporary(palp_file *file, const struct stat *replaced) {
         if (fd < 0 && errno != EEXIST)
             break;
     }
-    if (fd >= 0 && replaced && (fchown(fd, replaced->st_uid, replaced->st_gid) == 0 || errno == EPERM))
+    if (fd >= 0 && replaced) {
+        if (fchown(fd, replaced->st_uid, replaced->st_gid) != 0)
+            errno = 0; /* who may not give it away keeps it */
         fchmod(fd, replaced->st_mode & 0777);
+    }
     return fd;
 }
 

@@ -112,6 +112,14 @@ START_TEST(scaling_comes_back) {
     source.scaling = PALP_SCALING_VOLUME;
     source.area_m2 = -1.0;
     ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
+    source.area_m2 = 0.0;
+    strcpy(source.path, "a'\n\"$(b)\033.msh");
+    comes_back(&model);
+    palp_error error;
+    strcpy(source.path, "Gr\xF6\xDF"
+                        "e.msh"); /* Latin-1, which JSON cannot hold */
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), &error), PALP_ERR_ARGUMENT);
+    ck_assert_ptr_nonnull(strstr(error.text, "the path of its mesh is not UTF-8"));
 }
 END_TEST
 
