@@ -69,17 +69,17 @@ PALP_API const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh);
 PALP_API size_t palp_mesh_triangle_count(const palp_mesh *mesh);
 PALP_API const int32_t *palp_mesh_triangles(const palp_mesh *mesh);
 
-/* How the stiffness of a solid is shared among the elements of a mesh of tetrahedra. Each element has a
- * factor s: F = s (K(|e|) e + sum q). With it K / area is the Young's modulus of the solid (Poisson's ratio
- * 1/4) at small strain, whatever the mesh. */
+/* How the elements of a mesh of tetrahedra share in a solid's stiffness. An element's force is its factor
+ * times what the material says, F = s (K(|e|) e + sum q), so K / area is the modulus of the solid (Poisson's
+ * ratio 1/4) at small strain, whatever the mesh. */
 typedef enum palp_mesh_scaling {
     PALP_SCALING_NONE,   /* all factors 1: what K means depends on the mesh */
     PALP_SCALING_VOLUME, /* s = V / (L area), V the volume of the tetrahedra around the edge (Van Gelder 1998)
                           */
-    PALP_SCALING_CONTINUUM /* adds elements across faces, between the two corners opposite a face that two
-                              tetrahedra share; the factors are fitted by least squares to the nodal forces of
-                              an evenly strained solid, none below a fifth of that by volume (doc/meshes.md)
-                            */
+    PALP_SCALING_CONTINUUM /* elements across the faces too, between the corners opposite a face that two
+                              tetrahedra share, and factors fitted to the nodal forces of the evenly strained
+                              solid, by least squares, none below a fifth of its part by volume
+                              (doc/meshes.md) */
 } palp_mesh_scaling;
 
 /* Scales the elements, once. area_m2 = 0: the mesh's volume over its height (y). ERR_UNSUPPORTED if an edge

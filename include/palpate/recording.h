@@ -85,9 +85,9 @@ typedef struct palp_recording {
     bool uneven;  /* one time step in a hundred is off the median by over 1 % (gaps aside) */
 } palp_recording;
 
-/* Prepares an experiment; name, the file's name for messages, is copied. ERR_INPUT with a line for a
- * recording that cannot be used: depth or force of the wrong sign, no motion, no height, a force that stays
- * within its noise, fewer than 16 samples, a number that is not finite, times that do not increase. */
+/* Prepares an experiment; name is copied (the file's name, for messages). ERR_INPUT with a line for a
+ * recording that cannot be used: depth or force in the wrong sign, no motion, no height, force that never
+ * leaves its noise, fewer than 16 samples, numbers that are not finite, times that do not increase. */
 PALP_API palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,
                                             const palp_recording_settings *settings,
                                             palp_recording *recording, palp_error *error);
