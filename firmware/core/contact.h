@@ -15,11 +15,10 @@ enum {
     CONTACT_AIR_TICKS = 128, /* averaged for the force in the air */
     CONTACT_FILTER_TICKS = 16
 };
-#define CONTACT_FREE_M 2e-5f  /* travel before the averaging begins: friction has turned round then */
-#define CONTACT_AIR_M 1.7e-4f /* least travel in the air before the threshold is passed */
-#define CONTACT_DEPTH_M 1e-4f /* of the line, from where the threshold was passed, */
-#define CONTACT_MOST_M                                                                                       \
-    3e-4f /* or up to here where noise hides its slope; further on a drift would show one */
+#define CONTACT_FREE_M 2e-5f   /* travel before the averaging begins: friction has turned round then */
+#define CONTACT_AIR_M 1.7e-4f  /* least travel in the air before the threshold is passed */
+#define CONTACT_DEPTH_M 1e-4f  /* of the line, from where the threshold was passed, */
+#define CONTACT_MOST_M 3e-4f   /* or to here where noise hides its slope; further on a drift would show one */
 #define CONTACT_SURE_SD 10.0f  /* standard deviations: so steep, the line needs no more length; */
 #define CONTACT_LEAST_SD 5.0f  /* so steep at its end, it is a line at all */
 #define CONTACT_FORCE_N 1.0f   /* or until so much beyond the threshold: something hard stops it at once */

@@ -83,6 +83,13 @@ try:
         b.until("planGood || document.querySelector('#plan').className.includes('bad')")
         assert b.run("planGood"), f"{kind}: {b.run('document.querySelector(`#plan`).textContent')}"
 
+    print("the deepest place of a force")
+    b.run("(() => { const k = document.querySelector('#kind'); k.value = 'creep'; k.dispatchEvent(new Event('change')); })()")
+    fill(b, deepest_mm="4")
+    b.until("document.querySelector('#protocol').value.includes('\"deepest_mm\": 4') && planGood")
+    fill(b, deepest_mm="")
+    b.until("!document.querySelector('#protocol').value.includes('deepest_mm') && planGood")
+
     print("the next experiment of explain, by one click")
     b.until("document.querySelector('#found').innerText.includes('sensor_lag')")
     b.click("#found button")
