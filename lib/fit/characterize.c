@@ -250,7 +250,7 @@ palp_status fit_solve_and_merge(fit_problem *p, double *v, fit_curvature *c, pal
             return status;
         fit_sort_arms(p, v);
         status = fit_find_curvature(p, v, c);
-        if (status || !fit->converged || p->n_arms < 2 ||
+        if (status || !fit->converged || p->n_arms == 0 ||
             fit_weakest_arm(p, v, c->covariance, fit_inflation(c)) == p->n_arms)
             return status;
         p->n_arms--;

@@ -169,25 +169,59 @@ static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, c
     return status;
 }
 
+/* The better of two fits, which may end in different minima: from the scan, and from the arms of the law
+ * before, v in, where there was one. other[n] is scratch. */
+static palp_status solve_twice(fit_problem *p, bool started, double *v, double *other, double *chi2) {
+    size_t bytes = fit_parameter_count(p) * sizeof *v;
+    double second = HUGE_VAL;
+    bool done;
+    memcpy(other, v, bytes);
+    palp_status status = fit_solve(p, v, chi2, &done);
+    p->least = 0.0;
+    if (!status && started)
+        status = fit_solve_from(p, other, &second, &done);
+    if (!status && second < *chi2) {
+        memcpy(v, other, bytes);
+        *chi2 = second;
+    }
+    return status;
+}
+
+/* Zeroes the derivatives by what a fit without a fold would leave as it is: a time on its bound, and an arm
+ * that moves all residuals together by less than one sd of what they are, whose stiffness may be 0. */
+static void fix_idle_arms(const fit_problem *p, const double *v, double chi2, double *jacobian) {
+    const double on_bound = 1e-6; /* in log time; the solver meets a bound to 1e-9 */
+    const size_t m = p->n_blocks, bytes = m * sizeof *jacobian;
+    for (size_t j = 0; j < p->n_arms; j++) {
+        const size_t k = p->n_springs + 2 * j;
+        double *by_stiffness = jacobian + k * m, *by_time = by_stiffness + m, time = v[k + 1];
+        const bool idle = dense_dot(m, by_stiffness, by_stiffness) < chi2 / (double)m;
+        if (idle)
+            memset(by_stiffness, 0, bytes);
+        if (idle || time < log(p->tau_min) + on_bound || time > log(p->tau_max) - on_bound)
+            memset(by_time, 0, bytes);
+    }
+}
+
 /* One fit, and all folds from its derivatives. arms[2 n_arms]: of the law before, to start from, if *started;
  * then of this one. */
 static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *started, double *loss,
                                   double *left) {
     size_t n = fit_parameter_count(p), m = p->n_blocks, bytes = 2 * p->n_arms * sizeof *arms;
     double *v = calloc(n + m + m * n + 4 * n * n + 2 * n + f->n_groups, sizeof *v), chi2;
-    bool done;
     if (!v)
         return PALP_ERR_NO_MEMORY;
     double *residual = v + n, *jacobian = residual + m, *square = jacobian + m * n, *work = square + n * n;
     double *count = work + 3 * n * n + 2 * n;
     memcpy(v, p->law.coefficients, p->n_springs * sizeof *v);
     memcpy(v + p->n_springs, arms, bytes);
-    palp_status status = *started ? fit_solve_from(p, v, &chi2, &done) : fit_solve(p, v, &chi2, &done);
+    palp_status status = solve_twice(p, *started, v, work, &chi2);
     if (!status)
         status = fit_evaluate(p, v, residual, jacobian);
     if (!status) {
         memcpy(arms, v + p->n_springs, bytes);
         *started = true;
+        fix_idle_arms(p, v, chi2, jacobian);
     }
     if (!status)
         dense_transposed_product(n, n, m, jacobian, jacobian, square);

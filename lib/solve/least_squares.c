@@ -100,7 +100,8 @@ static double evaluate(descent *d) {
     bool better = isfinite(value) && (nearer || (miss == d->best_excess && value < d->best_value));
     bool much = nearer || value < d->best_value * (1.0 - 2.0 * problem->stop_relative);
     d->stalled = better && much ? 0 : d->stalled + 1;
-    d->overshot = d->overshot || !(value <= d->best_value * (1.0 + 2.0 * problem->stop_relative));
+    d->overshot = d->overshot || miss > d->best_excess ||
+                  !(value <= d->best_value * (1.0 + 2.0 * problem->stop_relative));
     if (better)
         keep(d, value, miss);
     if (d->optimizer && (d->stalled >= 2 || d->evaluations == d->limit || d->best_value <= d->nothing))
