@@ -78,8 +78,8 @@ typedef struct palp_explain_gap {
 
 /* What differs from run to run: each run's own zero, contact or gain. */
 typedef struct palp_explain_scatter {
-    double sd;        /* N, m, or a share */
-    double without_N; /* rms that is left if the runs have it in common; with it gap.after_N is */
+    double sd;        /* N, of the zeros about their mean; m or a share, as the fit has learned it */
+    double without_N; /* rms that is left if no run has one of its own; with it gap.after_N is */
     double evidence;  /* in log likelihood, nats */
     bool found;       /* it is more than what the noise hides */
 } palp_explain_scatter;

@@ -109,20 +109,45 @@ static palp_status look_at_times(palp_recording *r, double *step) {
     return status;
 }
 
-/* Whether the force grows with depth, and by more than noise. */
-static palp_status check_signs(const palp_recording *r, palp_error *error) {
-    double cov = 0.0, low = r->depth_m[0], high = low, strongest = 0.0, depth = 0.0;
-    double mean = recording_mean(r, 0, r->n, NULL), before = r->force_N[r->use[0] ? 0 : 1];
+/* The sample in use whose force differs most from that of the first in use. */
+static size_t strongest_sample(const palp_recording *r, double first) {
+    size_t at = 0;
+    double most = -1.0;
     for (size_t i = 0; i < r->n; i++)
-        depth += r->depth_m[i] / (double)r->n;
+        if (r->use[i] && fabs(r->force_N[i] - first) > most) {
+            most = fabs(r->force_N[i] - first);
+            at = i;
+        }
+    return at;
+}
+
+/* Covariance of depth and force over the way of the plate up to a sample: the two ends of each step count by
+ * its length, so that a dwell does not count. */
+static double covariance_on_way(const palp_recording *r, size_t end) {
+    double way = 0.0, depth = 0.0, force = 0.0, product = 0.0;
+    for (size_t i = 0; i < 2 * end; i++) {
+        size_t from = i / 2, at = from + i % 2;
+        double step = fabs(r->depth_m[from + 1] - r->depth_m[from]);
+        step = r->use[from] && r->use[from + 1] ? step : 0.0;
+        way += step;
+        depth += step * r->depth_m[at];
+        force += step * r->force_N[at];
+        product += step * r->depth_m[at] * r->force_N[at];
+    }
+    return way > 0.0 ? product / way - depth / way * (force / way) : 0.0;
+}
+
+/* Whether the force grows with depth, and by more than noise, up to the strongest force: what comes after is
+ * relaxation or unloading. */
+static palp_status check_signs(const palp_recording *r, palp_error *error) {
+    double low = r->depth_m[0], high = low, before = r->force_N[r->use[0] ? 0 : 1];
+    size_t at = strongest_sample(r, before);
+    double strongest = r->force_N[at] - before, pressed = 0.0;
     for (size_t i = 0; i < r->n; i++) {
         low = fmin(low, r->depth_m[i]);
         high = fmax(high, r->depth_m[i]);
-        if (!r->use[i])
-            continue;
-        cov += (r->depth_m[i] - depth) * (r->force_N[i] - mean);
-        if (fabs(r->force_N[i] - before) > fabs(strongest))
-            strongest = r->force_N[i] - before;
+        if (i < at && r->use[i] && r->depth_m[i] > 0.0) /* before a plate that sticks is pulled off */
+            pressed = fmax(pressed, r->force_N[i] - before);
     }
     if (!(high > low))
         return palp_error_set(error, PALP_ERR_INPUT, "%s: depth_mm never changes: nothing was pressed",
@@ -130,12 +155,12 @@ static palp_status check_signs(const palp_recording *r, palp_error *error) {
     if (!(fabs(strongest) > 6.0 * r->noise_N))
         return palp_error_set(error, PALP_ERR_INPUT, "%s: force_N never leaves its noise: no contact",
                               r->name);
-    if (cov < 0.0)
+    if (covariance_on_way(r, at) < 0.0)
         return palp_error_set(error, PALP_ERR_INPUT,
                               "%s: force_N grows while depth_mm falls: depth or force has the wrong sign "
                               "(palpate import --negate depth or force)",
                               r->name);
-    if (strongest < 0.0 || !(high > 0.0))
+    if ((strongest < 0.0 && !(pressed > 6.0 * r->noise_N)) || !(high > 0.0))
         return palp_error_set(
             error, PALP_ERR_INPUT,
             "%s: depth_mm and force_N fall under load: both have the wrong sign, or contact "
@@ -221,10 +246,11 @@ static palp_status find_motion(palp_recording *r) {
     return status;
 }
 
-static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
-                           const palp_recording_settings *settings, palp_error *error) {
+/* What a recording must be to be one of a specimen that is pressed. Leaves depth and force from contact, and
+ * the clock's step. */
+static palp_status check(palp_recording *r, const palp_experiment *experiment,
+                         const palp_recording_settings *settings, double *step, palp_error *error) {
     enum { FEWEST = 16 };
-    double step = 0.0;
     read_header(r, experiment, settings);
     if (r->n < FEWEST)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: %zu samples are too few", r->name, r->n);
@@ -233,9 +259,9 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
                               r->name);
     palp_status status = copy_columns(r, experiment, error);
     if (!status)
-        status = look_at_times(r, &step);
+        status = look_at_times(r, step);
     if (!status)
-        status = palp_segments_noise(r->n, r->time_s, step, r->force_N, PALP_NOISE_MEDIAN, &r->noise_N);
+        status = palp_segments_noise(r->n, r->time_s, *step, r->force_N, PALP_NOISE_MEDIAN, &r->noise_N);
     if (status)
         return status;
     r->n_spikes = segments_mask_spikes(r->n, r->force_N, r->noise_N, settings->spike_sigma, r->use);
@@ -249,8 +275,27 @@ static palp_status prepare(palp_recording *r, const palp_experiment *experiment,
         return palp_error_set(error, PALP_ERR_INPUT,
                               "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
                               1e3 * r->deepest_m, 1e3 * r->height_m);
-    status = recording_look_at_noise(r, step);
-    return status ? status : find_motion(r);
+    return PALP_OK;
+}
+
+/* whole: what a fit needs is found too. */
+static palp_status make(const palp_experiment *experiment, const char *name,
+                        const palp_recording_settings *settings, bool whole, palp_recording *r,
+                        palp_error *error) {
+    double step = 0.0;
+    memset(r, 0, sizeof *r);
+    strncpy(r->name, name, PALP_NAME_MAX - 1);
+    palp_text_make_plain(r->name);
+    palp_status status = check(r, experiment, settings, &step, error);
+    if (!status && whole)
+        status = recording_look_at_noise(r, step);
+    if (!status && whole)
+        status = find_motion(r);
+    if (status == PALP_ERR_NO_MEMORY)
+        palp_error_set(error, status, "%s: out of memory", name);
+    if (status || !whole)
+        palp_recording_free(r);
+    return status;
 }
 
 palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,
@@ -258,13 +303,15 @@ palp_status palp_recording_prepare(const palp_experiment *experiment, const char
                                    palp_error *error) {
     if (!experiment || !name || !settings || !recording)
         return palp_error_null(error);
-    memset(recording, 0, sizeof *recording);
-    strncpy(recording->name, name, PALP_NAME_MAX - 1);
-    palp_text_make_plain(recording->name);
-    palp_status status = prepare(recording, experiment, settings, error);
-    if (status == PALP_ERR_NO_MEMORY)
-        palp_error_set(error, status, "%s: out of memory", name);
-    if (status)
-        palp_recording_free(recording);
-    return status;
+    return make(experiment, name, settings, true, recording, error);
+}
+
+palp_status palp_recording_check(const palp_experiment *experiment, const char *name, double height_m,
+                                 palp_error *error) {
+    if (!experiment || !name)
+        return palp_error_null(error);
+    palp_recording_settings settings = palp_recording_settings_default();
+    settings.height_m = height_m;
+    palp_recording recording;
+    return make(experiment, name, &settings, false, &recording, error);
 }

@@ -44,7 +44,8 @@ palp_status palp_segments_clock(size_t n, const double *time_s, double *step_s, 
     small = refined(n - 1, difference, small);
     double steps = steps_in(n - 1, difference, small);
     *step_s = steps > 0.0 ? small : middle;
-    *missing = steps > 0.0 ? (size_t)(steps - (double)(n - 1)) : 0;
+    steps -= (double)(n - 1);
+    *missing = steps > 0.0 ? (size_t)fmin(steps, 1e9) : 0; /* a jump of the clock may count any number */
     free(difference);
     return PALP_OK;
 }

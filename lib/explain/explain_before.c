@@ -32,19 +32,33 @@ palp_status explain_before_find(const explain_search *s, explain_fit *base, palp
     return status;
 }
 
-/* The fit at hand with one zero, contact or gain for all runs. */
+/* Of the runs' own zeros, contacts or gains about their mean. */
+static double own_sd(const explain_search *s, int which) {
+    double sum = 0.0, square = 0.0, n = 0.0, own[EXPLAIN_NUISANCES], sd[EXPLAIN_NUISANCES];
+    for (size_t r = 0; r < s->data.n_runs; r++) {
+        if (s->data.run[r].held_out)
+            continue;
+        explain_nuisances(&s->fit, r, own, sd);
+        n += 1.0;
+        square += (n - 1.0) / n * pow(own[which] - sum / fmax(n - 1.0, 1.0), 2.0);
+        sum += own[which];
+    }
+    return sqrt(square / fmax(n - 1.0, 1.0));
+}
+
+/* The fit at hand with no zero, contact or gain of the runs' own. */
 static palp_status in_common(const explain_search *s, int which, palp_explain_scatter *out) {
-    enum { PLAIN = 10 }; /* nats that leave no doubt */
     explain_fit fit = {.n_columns = 0};
     const explain_scatter *now = &s->fit.scatter, hidden = explain_hidden_scatter(&s->data),
                           none = explain_no_scatter(&s->data);
-    const double own[3] = {now->zero, now->contact, now->gain},
+    const double prior[3] = {now->zero, now->contact, now->gain},
                  noise[3] = {hidden.zero, hidden.contact, hidden.gain};
     const double left = explain_fitted_rms(&s->data, s->residual);
-    *out = (palp_explain_scatter){.sd = own[which], .without_N = left};
+    const double apart = own_sd(s, which);
+    *out = (palp_explain_scatter){.sd = which ? prior[which] : apart, .without_N = left};
     if (which == 1 && s->settings->contact != PALP_CONTACT_FREE)
         out->sd = 0.0;
-    if (!(own[which] > noise[which]))
+    if (!(prior[which] > noise[which] && apart > noise[which]))
         return PALP_OK;
     double *residual = malloc(s->data.n * sizeof *residual);
     palp_status status = residual ? explain_fit_copy(&s->fit, s->data.n_runs, &fit) : PALP_ERR_NO_MEMORY;
@@ -61,7 +75,7 @@ static palp_status in_common(const explain_search *s, int which, palp_explain_sc
     if (!status) {
         out->without_N = explain_fitted_rms(&s->data, residual);
         out->evidence = explain_fit_score(&s->fit, &s->data) - fit.score;
-        out->found = out->evidence > PLAIN && out->without_N > left;
+        out->found = out->evidence > EXPLAIN_CLEAR && out->without_N > left;
     }
     explain_fit_free(&fit);
     free(residual);

@@ -294,6 +294,9 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
                               "was pressed before is "
                               "missing. Give that recording too, or leave this one out",
                               run->name, run->force[0], 1e3 * run->depth[0]);
+    status = air ? PALP_OK : palp_recording_check(e, run->name, data->height, error);
+    if (status)
+        return status;
     run->session = explain_number_of(e, "session.start_s", NAN);
     take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
     status = palp_segments_phases(run->n, run->time, run->depth, run->force, run->phase);

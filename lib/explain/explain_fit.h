@@ -5,6 +5,7 @@
 #include "explain_data.h"
 #include "solve/levenberg.h"
 
+#define EXPLAIN_CLEAR 10.0   /* nats of evidence that leave no doubt */
 #define EXPLAIN_SOFTEST 1e-3 /* of a typical stiffness: a law that falls below it makes no model */
 
 enum {

@@ -237,11 +237,11 @@ static palp_status raise_surfaces(const explain_search *s, const explain_fit *fr
 /* Moves fit there by steps as long as that is more likely. */
 static palp_status walk(const explain_search *s, explain_fit *fit, double step, bool *moved) {
     enum { STEPS = 4 };
-    static const double PLAIN = 1.0; /* nats */
+    static const double LEAST = 1.0; /* nats that a step must gain */
     for (int k = 0; k < STEPS; k++) {
         explain_fit there = {.n_columns = 0};
         palp_status status = raise_surfaces(s, fit, step, &there);
-        const bool better = !status && there.score > fit->score + PLAIN;
+        const bool better = !status && there.score > fit->score + LEAST;
         explain_fit_free(better ? fit : &there);
         if (better)
             *fit = there;

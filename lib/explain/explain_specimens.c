@@ -8,8 +8,6 @@
 
 enum { WHOLE = 2, LAW = 5 }; /* nuisance parameters: of all the force, of the law beside the arms */
 
-static const double PLAIN = 10.0; /* nats that leave no doubt */
-
 /* ---- between specimens, or between runs ---- */
 
 /* Log likelihood of the runs' own values, if specimens differ by an sd and the runs of one by another. */
@@ -102,7 +100,7 @@ static palp_status as_one(const explain_search *s, palp_explain_specimens *out) 
     if (!status) {
         out->without_N = explain_fitted_rms(&s->data, residual);
         out->evidence = s->fit.score - fit.score;
-        out->found = out->law = out->evidence > PLAIN;
+        out->found = out->law = out->evidence > EXPLAIN_CLEAR;
     }
     explain_fit_free(&fit);
     free(residual);

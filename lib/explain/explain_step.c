@@ -14,7 +14,6 @@ static const char
 /* What an effect's equations are good for: of the first gap, and of the noise level beside an effect that is
  * there. */
 static const double SHADOW = 0.06, SLIGHT = 0.25;
-static const double PLAIN = 10.0; /* nats that a slight one of the instrument needs */
 
 /* Whether coordinate k is at that end of what it may be, to a hundredth of it: the search was still on its
  * way there. */
@@ -76,7 +75,7 @@ const char *explain_judged(const explain_search *s, const explain_trial *t, doub
     const bool accuses = slight && of_the_instrument(&t->fit);
     if (accuses && !t->from_zero)
         return "cannot be told from zero, as the runs differ on it";
-    if (accuses && !(t->gain > PLAIN * t->inflation))
+    if (accuses && !(t->gain > EXPLAIN_CLEAR * t->inflation))
         return "is too small to be certain of beside what the model's equations are good for";
     if ((slight && explain_added_count(s) > 0) || !(t->explained > SHADOW * s->opened))
         return WITHIN;

@@ -170,7 +170,8 @@ static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, c
 }
 
 /* The better of two fits, which may end in different minima: from the scan, and from the arms of the law
- * before, v in, where there was one. other[n] is scratch. */
+ * before, v in, where there was one. other[n] is scratch. PALP_ERR_SINGULAR: K(e) falls to 0 within the
+ * measured strain, which no constraint keeps an Ogden law from. */
 static palp_status solve_twice(fit_problem *p, bool started, double *v, double *other, double *chi2) {
     size_t bytes = fit_parameter_count(p) * sizeof *v;
     double second = HUGE_VAL;
@@ -184,7 +185,10 @@ static palp_status solve_twice(fit_problem *p, bool started, double *v, double *
         memcpy(v, other, bytes);
         *chi2 = second;
     }
-    return status;
+    palp_law law;
+    if (!status)
+        status = fit_law(p, v, &law);
+    return !status && !(palp_law_minimum(&law, p->strain_max) > 0.0) ? PALP_ERR_SINGULAR : status;
 }
 
 /* Zeroes the derivatives by what a fit without a fold would leave as it is: a time on its bound, and an arm
@@ -391,7 +395,7 @@ static size_t choose_by_runs(const folds *f, size_t laws) {
     return chosen;
 }
 
-/* A law that cannot be fitted at all loses: as far off as no force. */
+/* A law that cannot be fitted, or falls to 0, loses: as far off as no force. */
 static void lose(const folds *f, const fit_problem *p, double *loss, double *left) {
     memset(loss, 0, f->n_groups * sizeof *loss);
     for (size_t r = 0, i = 0; r < p->n_runs; r++)

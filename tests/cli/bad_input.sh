@@ -33,12 +33,25 @@ run short.csv static '0,0,0\n'
 wrong "short.csv" simulate $M --like short.csv
 run deep.csv static '0,0,0\n1,30,1\n'
 wrong "deep.csv: depth_mm reaches 30" simulate $M --like deep.csv
-run cyclic.csv static '0,0,0\n1,1,1\n2,0,0\n3,1,1\n4,0,0\n5,1,1\n6,0,0\n'
+# rows NAME AWK: twenty samples at i = 0 to 19 of a specimen, depth d and force f.
+rows() { run "$1" static "$(awk "BEGIN { for (i = 0; i < 20; i++) { d = i / 4; f = i / 20; $2; printf \"%g,%.9g,%.9g\\\\n\", i, d, f } }")"; }
+rows cyclic.csv 'd = i % 12; d = d > 6 ? 12 - d : d; f = d'
 wrong "cyclic.csv: its path is more than one press" calibrate $L cyclic.csv --nodes 3
-run few.csv static '0,0,0\n1,1,1\n2,2,2\n'
-wrong "few.csv" calibrate $L few.csv --nodes 3 --stage static
-printf '# palpate.experiment: 1\ntime_s,depth_mm,force_N\n0,0,0\n' >alone.csv
-wrong "alone.csv: fewer than two samples" calibrate $L alone.csv --nodes 3
+rows few.csv 'd = i < 15 ? 0 : i - 15; f = d'
+wrong "few.csv: has 4 samples of increasing depth" calibrate $L few.csv --nodes 3 --stage static
+run alone.csv static '0,0,0\n'
+wrong "alone.csv: 1 samples are too few" calibrate $L alone.csv --nodes 3
+# What characterize refuses no other command takes for a press of the specimen.
+rows dead.csv 'f = i % 2 ? 0.004 : -0.003'
+rows negated.csv 'f = -f'
+rows deeper.csv 'd *= 6'
+rows far.csv 'd += 1e6'
+for run in "dead.csv: force_N never leaves its noise" "negated.csv: force_N grows while depth_mm falls" \
+    "deeper.csv: deepest point 28.5 mm does not fit a specimen of 24 mm" "far.csv: deepest point 1e+06 mm does not fit"; do
+    wrong "$run" characterize "${run%%:*}" --specimen-height-mm 24
+    wrong "$run" explain --model $L "${run%%:*}"
+    wrong "$run" calibrate $L "${run%%:*}" --nodes 3 --stage static
+done
 wrong "is a network" calibrate $M --nodes 3
 sed 's/"arms": \[\]/"arms": [{"stiffness_N": 0.2, "viscosity_Ns": 2}], "density_kg_m3": 1000/' $M >heavy.json
 wrong "heavy.json: has density_kg_m3" calibrate $L --start heavy.json --stage relaxation

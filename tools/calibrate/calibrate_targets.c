@@ -204,13 +204,15 @@ static palp_status kind_of(const palp_experiment *run, palp_recording_kind *kind
 static int read_run(const char *file, calibrate_state *s) {
     palp_experiment *run = NULL;
     palp_recording_kind kind = PALP_RECORDING_OTHER;
+    palp_error error = {PALP_OK, ""};
     int code = open_run(NAME, file, &run);
     if (code)
         return code;
-    palp_status status = kind_of(run, &kind);
+    palp_status status = palp_recording_check(run, file, s->lumped.height_m, &error);
+    if (status == PALP_OK)
+        status = kind_of(run, &kind);
     if (status) {
-        code = status == PALP_ERR_ARGUMENT ? cli_failure(NAME, "%s: fewer than two samples", file)
-                                           : cli_status_of(NAME, file, status, NULL);
+        code = cli_status_of(NAME, file, status, &error);
     } else if (kind == PALP_RECORDING_STATIC && s->does_static) {
         code = static_from_run(file, run, s);
     } else if (kind == PALP_RECORDING_RAMP_HOLD && s->does_relaxation && s->n_presses < PRESSES_MAX) {

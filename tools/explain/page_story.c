@@ -153,7 +153,7 @@ static void add_scatter(page_story *story, const json_t *all) {
             page_force(json_number_at(one, "gap_before_N"), before);
             page_force(json_number_at(one, "gap_after_N"), after);
             add(story,
-                "The %s differ by %.3g %s (standard deviation): one for all would leave %s, rms, not %s.",
+                "The %s differ by %.3g %s (standard deviation): without that %s, rms, would be left, not %s.",
                 kinds[k].what, sd, kinds[k].unit, before, after);
         }
 }

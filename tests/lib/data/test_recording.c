@@ -354,6 +354,9 @@ static void refused(palp_experiment *e, const char *line) {
     ck_assert_int_eq(palp_recording_prepare(e, "run.csv", &settings, &r, &error), PALP_ERR_INPUT);
     ck_assert_msg(strstr(error.text, line) && strncmp(error.text, "run.csv: ", 9) == 0, "%s", error.text);
     ck_assert_ptr_null(r.time_s);
+    error.text[0] = '\0';
+    ck_assert_int_eq(palp_recording_check(e, "run.csv", 0.0, &error), PALP_ERR_INPUT);
+    ck_assert_msg(strstr(error.text, line), "%s", error.text);
     palp_experiment_free(e);
 }
 
@@ -383,6 +386,37 @@ static palp_experiment *a_step_of(double sds) {
 START_TEST(a_contact_is_six_sds_of_force) {
     refused(a_step_of(5.8), "never leaves its noise");
     palp_recording r = prepare(a_step_of(6.2));
+    palp_recording_free(&r);
+}
+END_TEST
+
+/* Nearly fluid: the force falls by 99 % in the dwell, after ramps of many samples and of one; and a plate
+ * that sticks and is pulled off with more than it pressed with. */
+START_TEST(what_follows_the_loading_says_nothing_of_the_sign) {
+    static const double ramp_s[] = {12.0, 1.0, 0.05, 0.03};
+    for (size_t i = 0; i < 8; i++) {
+        take t = {two_arms(0.01, 20.0, 2.0, 10.0, 40.0),
+                  4.0,
+                  ramp_s[i / 2],
+                  100.0,
+                  (double)(i % 2),
+                  32.0,
+                  0.001,
+                  "ramp_hold",
+                  5};
+        palp_recording r = prepare(record(&t));
+        ck_assert_int_eq(r.kind, PALP_RECORDING_RAMP_HOLD);
+        palp_recording_free(&r);
+    }
+    palp_experiment *e = times(1.0, 1.0);
+    double *depth = palp_experiment_column(e, "depth_mm"), *force = palp_experiment_column(e, "force_N");
+    const size_t n = palp_experiment_rows(e), back = n - n / 4;
+    for (size_t i = back; i < n; i++) {
+        const double share = (double)(i - back) / (double)(n - back);
+        depth[i] = 4.0 - 5.0 * share;
+        force[i] = 1.5 * (1.0 - 4.0 * share);
+    }
+    palp_recording r = prepare(e);
     palp_recording_free(&r);
 }
 END_TEST
@@ -435,5 +469,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_withdrawal_after_the_hold_is_left_out);
     tcase_add_test(tc, contact_is_that_of_the_first_press);
     tcase_add_test(tc, a_contact_is_six_sds_of_force);
+    tcase_add_test(tc, what_follows_the_loading_says_nothing_of_the_sign);
     tcase_add_test(tc, what_cannot_be_used_is_refused_in_one_line);
 }

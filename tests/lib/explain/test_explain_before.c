@@ -63,6 +63,8 @@ START_TEST(what_differs_is_found) {
     ck_assert_double_eq_tol(e.gap.after_N, NOISE, 0.1 * NOISE);
     ck_assert(differs->found);
     ck_assert_double_gt(differs->evidence, 100);
+    if (_i == 0) /* of the four zeros about their mean, but for what the noise of a run hides */
+        ck_assert_double_eq_tol(differs->sd, 0.0527, 1e-3);
     ck_assert_double_gt(differs->without_N, 2 * NOISE);
     ck_assert_double_gt(e.gap.before_N, 0.98 * differs->without_N); /* all three in common leave no less */
     for (int k = 0; k < 3; k++)
@@ -110,6 +112,18 @@ START_TEST(alike_runs_have_no_scatter) {
 }
 END_TEST
 
+/* Zeros of half a newton in all runs do not differ. */
+START_TEST(equal_zeros_have_no_scatter) {
+    static const double equal[RUNS] = {0.5, 0.5, 0.5, 0.5};
+    palp_explanation e;
+    session(RUNS, equal, none, ones, 1);
+    explain(RUNS, PALP_CONTACT_FREE, &e);
+    ck_assert(!e.zero.found);
+    ck_assert_double_lt(e.zero.sd, NOISE);
+    palp_explanation_free(&e);
+}
+END_TEST
+
 /* Where contacts are told to be exact none scatters, whatever the runs show. */
 START_TEST(a_contact_that_is_known_does_not_scatter) {
     palp_explanation e;
@@ -149,6 +163,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, what_differs_is_found, 0, 3);
     tcase_add_test(tc, surfaces_in_common_are_where_the_model_has_them);
     tcase_add_test(tc, alike_runs_have_no_scatter);
+    tcase_add_test(tc, equal_zeros_have_no_scatter);
     tcase_add_test(tc, a_contact_that_is_known_does_not_scatter);
     tcase_add_test(tc, one_run_does_not_scatter);
     tcase_add_test(tc, slight_evidence_is_no_finding);

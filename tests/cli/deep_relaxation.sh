@@ -1,0 +1,26 @@
+#!/bin/sh
+# deep_relaxation.sh: single recordings whose force falls to a hundredth in the dwell are fitted, and their model is written. check: once
+. tests/cli/common
+
+# fits NAME DEPTH RATE HOLD HZ NOISE SEED COEFFICIENTS ARMS...: K_j and b_j in turn, and the sensor's lag at last.
+fits() {
+    name=$1 depth=$2 rate=$3 hold=$4 rate_Hz=$5 noise=$6 seed=$7 law=$8 arms=
+    shift 8
+    while [ $# -gt 1 ]; do
+        arms="$arms${arms:+, }{\"stiffness_N\": $1, \"viscosity_Ns\": $2}"
+        shift 2
+    done
+    cat >"$name.json" <<J
+{"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 24, "radius_mm": 12}, "arms": [$arms],
+ "stiffness": {"kind": "polynomial", "coefficients_N": [$law]}, "effects": [{"id": "sensor_lag", "parameters": {"time_s": $1}}]}
+J
+    expect 0 simulate "$name.json" --protocol ramp_hold --depth-mm $depth --rate-mm-s $rate --hold-s $hold --sample-Hz $rate_Hz --noise-N $noise \
+        --seed $seed --out "$name.csv"
+    expect 0 characterize "$name.csv" --out "$name.model.json"
+    expect 0 simulate "$name.model.json" --like "$name.csv" --out "$name.again.csv"
+}
+# The law that won fell below zero, which nothing kept an Ogden law from; of the second the ramp has one step.
+fits slow 3.01615 5.54875 190.902 26.052 0.000102108 99 "0.156625, 0.0602066" 9.40659 2.91851 1.26598 4.46313 0.183643
+fits step 1.25267 45.0028 117.62 32.4362 0.000228336 106 0.0556667 3.7107 0.965001 0.0406546
+fits three 6.70464 28.3727 61.9333 62.8187 0.00829988 159 "0.0353135, 0.255245" 14.0445 7.80287 13.087 2.89518 1.06003 92.7603 0.0174154
+done_testing
