@@ -147,8 +147,13 @@ refused "is an experiment of palpate already" csv/plain.csv
 awk -F, 'NR == 1 { print; next } { print $1 ",5," $3 }' plain.csv >bad.csv; refused "nothing was pressed" bad.csv
 sed '1s/mm/m/' plain.csv >bad.csv; refused "does not fit a specimen of 24 mm" bad.csv
 head -n 3 plain.csv >bad.csv; refused "fewer than three rows" bad.csv
-sed '$d' own.txt >bad.txt; refused "the file ends before <END DATA>" bad.txt
-printf 'a\0bcd\n' >bad.csv; refused "not a text file" bad.csv
+sed '$d' own.txt >cut.txt; expect 0 import cut.txt --specimen-height-mm 24 --out cut
+grep -q 'cut.txt:[0-9]*: the file ends before <END DATA>' err || fail "a block that is cut: $(cat err)"
+expect 0 import own.txt --specimen-height-mm 24 --out whole
+for run in cut/*.csv; do
+    sed '/^#/d' "whole/own${run#cut/cut}" >whole.rows && sed '/^#/d' "$run" | cmp -s - whole.rows || fail "$run: other rows than the whole file has"
+done
+head -c 3000 "$PALPATE" >bad.csv; refused "not a text file" bad.csv
 
 # ---- wrong usage ----
 wrong() { # text, arguments...

@@ -153,4 +153,38 @@ fi
 printf '\320\317\021\340\241\261\032\341 not a sheet' >broken.xls
 expect 1 import broken.xls --out none
 grep -q "xls" err || fail "broken.xls: $(cat err)"
+
+# Chinese and Japanese headings, in UTF-8 and in the encodings of their countries; one NUL byte; the wide brackets.
+# press NAME HEAD: 600 rows of a press of 3 mm with 6.45 N.
+press() {
+    { echo "$2"; awk 'BEGIN { for (i = 0; i < 600; i++) { d = (i - 20) * 0.02; d = d < 0 ? 0 : d > 3 ? 3 : d
+        printf "%.3f,%.4f,%.5f\n", i * 0.02, d, 2 * d + 0.05 * d * d + 0.001 * sin(7.3 * i) } }'; } >"$1.csv"
+}
+# taken NAME: the same rows as of English headings.
+taken() {
+    expect 0 import "$1.csv" --specimen-height-mm 24 --out east
+    sed '/^#/d' "east/$1.csv" | cmp -s - english.rows || fail "$1: $(head -n 3 err) $(sed '/^#/d' "east/$1.csv" | head -n 3)"
+}
+press english 'time (s),displacement (mm),force (N)'
+expect 0 import english.csv --specimen-height-mm 24 --out east && sed '/^#/d' east/english.csv >english.rows
+press simplified '时间(秒),位移(mm),力(N)'
+press wide '时间（s）,位移（毫米）,试验力（N）'
+press japanese '時間(s),変位(mm),荷重(N)'
+press traditional '時間(s),變位(mm),試驗力(N)'
+for name in simplified wide japanese traditional; do taken $name; done
+if printf x | iconv -f GB18030 -t UTF-8 >/dev/null 2>&1; then
+    iconv -f UTF-8 -t GB18030 simplified.csv >gbk.csv && taken gbk
+    iconv -f UTF-8 -t CP932 japanese.csv >sjis.csv && taken sjis
+fi
+{ head -c 1000 simplified.csv && printf '\0' && tail -c +1001 simplified.csv; } >nul.csv
+taken nul
+grep -q '1 stray NUL' err || fail "a NUL byte is left out silently: $(cat err)"
+press stress '时间(s),应变(%),应力(kPa)'
+expect 0 import stress.csv --specimen-height-mm 24 --specimen-radius-mm 5 --out east
+[ "$(tail -n 1 east/stress.csv | cut -d, -f2)" = 0.72 ] || fail "3 % of 24 mm: $(tail -n 1 east/stress.csv)"
+
+# A muscle stretched to three times its length.
+awk 'BEGIN { print "Time (s),Stretch (-),Force (N)"; for (i = 0; i < 200; i++) printf "%g,%g,%g\n", 0.1 * i, 1 + 0.01 * i, 0.02 * i }' >tension.csv
+expect 0 import tension.csv --specimen-height-mm 24 --out east
+grep -q 'stretched to 2.99 times its height' err || fail "tension: $(cat err)"
 done_testing

@@ -107,7 +107,8 @@ void import_plain(const char *from, bool lower, char *to, size_t room); /* witho
  */
 int import_name_rank(const char *name, const import_unit *unit, int role);
 
-bool import_names_gap(const char *name); /* a column's, whose depth is the height that is left */
+bool import_names_in_han(const char *text); /* whether a text names two columns in Chinese or Japanese */
+bool import_names_gap(const char *name);    /* a column's, whose depth is the height that is left */
 
 enum {
     PART_HEIGHT,
@@ -237,6 +238,8 @@ int import_contact_find(const import_options *o, const import_sources *all, impo
  * known and the depth fits it. */
 void import_specimen(const import_options *o, import_source *s);
 void import_tip(const import_options *o, import_source *s);
+bool import_is_stretch(
+    const import_source *s); /* its depth comes from a stretch, 1 where nothing is pressed */
 int import_specimen_check(const import_options *o, const import_source *s);
 int import_protocol(const import_options *o, import_source *s);
 

@@ -35,7 +35,10 @@ static int read_rows(import_source *s, import_text *text, bool block) {
             *t += clock;
         }
     }
-    return block ? cli_failure(NAME, "%s:%zu: the file ends before <END DATA>", s->file, text->line) : CLI_OK;
+    if (block)
+        cli_warning(NAME, "%s:%zu: the file ends before <END DATA>: its last block may be cut short", s->file,
+                    text->line);
+    return CLI_OK;
 }
 
 /* "time_s,pos_mm,force_N # key: value; key: value", then rows. */

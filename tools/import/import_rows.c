@@ -173,14 +173,17 @@ static int sift(const import_options *o, import_source *s) {
 
 /* ---- the recording ---- */
 
+bool import_is_stretch(const import_source *s) {
+    return s->used[STRAIN] != IMPORT_NONE && (strcmp(s->unit[STRAIN]->name, "stretch") == 0 ||
+                                              strstr(s->column[s->used[STRAIN]], "tretch") != NULL);
+}
+
 /* To s, mm and N of what the used column has. */
 static double factor_of(const import_source *s, int q, double *offset) {
     double area_m2 = 3.14159265358979323846 * s->radius_mm * s->radius_mm * 1e-6;
     *offset = 0;
     if (q == DEPTH && s->used[STRAIN] != IMPORT_NONE) {
-        bool stretch =
-            strcmp(s->unit[STRAIN]->name, "stretch") == 0 || strstr(s->column[s->used[STRAIN]], "tretch");
-        *offset = stretch ? 1 / s->unit[STRAIN]->factor : 0; /* of no strain */
+        *offset = import_is_stretch(s) ? 1 / s->unit[STRAIN]->factor : 0; /* of no strain */
         return s->unit[STRAIN]->factor * s->height_mm;
     }
     if (q == FORCE && s->used[FORCE] == IMPORT_NONE && s->used[STRESS] != IMPORT_NONE)

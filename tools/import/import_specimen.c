@@ -120,7 +120,11 @@ int import_specimen_check(const import_options *o, const import_source *s) {
     if (s->height_mm <= 0)
         return cli_failure(NAME, "%s: the specimen's height is not in the file: give --specimen-height-mm",
                            s->file);
-    if (deepest_mm >= s->height_mm)
+    if (deepest_mm >= s->height_mm && import_is_stretch(s))
+        cli_warning(
+            NAME, "%s: stretched to %.4g times its height: in tension, which no other command fits beyond 2",
+            s->file, 1 + deepest_mm / s->height_mm);
+    else if (deepest_mm >= s->height_mm)
         return cli_failure(
             NAME,
             "%s: pressed to %.4g mm, which does not fit a specimen of %.4g mm: wrong unit, sign "

@@ -3,6 +3,7 @@
 #include "shared/crc32.h"
 
 #include <errno.h>
+#include <iconv.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -107,6 +108,37 @@ static char *from_latin1(const char *from, size_t size, size_t *length) {
     return text;
 }
 
+/* From an encoding that the C library knows; NULL if the bytes are none of it, or it does not know it. */
+static char *from_encoding(const char *encoding, char *from, size_t size, size_t *length) {
+    iconv_t converter = iconv_open("UTF-8", encoding);
+    if (converter == (iconv_t)-1)
+        return NULL;
+    size_t room = 2 * size + 4; /* at most three bytes of two, and of one that is no ASCII */
+    char *text = malloc(room + size + 1), *to = text;
+    room += size;
+    const bool done = text && iconv(converter, &from, &size, &to, &room) != (size_t)-1;
+    iconv_close(converter);
+    if (!done) {
+        free(text);
+        return NULL;
+    }
+    *to = '\0';
+    *length = (size_t)(to - text);
+    return text;
+}
+
+/* Chinese or Japanese, where the text names a time and a depth or a force in it; NULL if it does not. */
+static char *from_east_asia(char *from, size_t size, size_t *length) {
+    static const char *const encodings[] = {"GB18030", "CP932", "BIG5"};
+    for (size_t i = 0; i < sizeof encodings / sizeof *encodings; i++) {
+        char *text = from_encoding(encodings[i], from, size, length);
+        if (text && import_names_in_han(text))
+            return text;
+        free(text);
+    }
+    return NULL;
+}
+
 /* Blanks that do not break and the apostrophes between digits become ', the minus sign becomes '-'. */
 static size_t simplify(char *text) {
     static const struct {
@@ -116,7 +148,11 @@ static size_t simplify(char *text) {
                  {"\xE2\x80\xAF", '\'', ' '},
                  {"\xE2\x80\x89", '\'', ' '},
                  {"\xE2\x80\x99", '\'', '\''},
-                 {"\xE2\x88\x92", '-', '-'}};
+                 {"\xE2\x88\x92", '-', '-'},
+                 {"\xE3\x80\x80", ' ', ' '}, /* the wide blank, brackets and colon of Chinese and Japanese */
+                 {"\xEF\xBC\x88", '(', '('},
+                 {"\xEF\xBC\x89", ')', ')'},
+                 {"\xEF\xBC\x9A", ':', ':'}};
     char *to = text;
     for (const char *at = text; *at;) {
         size_t k = 0, n_signs = sizeof signs / sizeof signs[0];
@@ -134,19 +170,36 @@ static size_t simplify(char *text) {
     return (size_t)(to - text);
 }
 
+/* Takes stray NUL bytes out of the text and counts them; false: they are so many that it is no text. */
+static bool take_nuls_out(char *text, size_t *size, size_t *stray) {
+    size_t kept = 0;
+    for (size_t i = 0; i < *size; i++)
+        if (text[i])
+            text[kept++] = text[i];
+    *stray = *size - kept;
+    text[kept] = '\0';
+    *size = kept;
+    return *stray <= 1 + kept / 1000;
+}
+
 static int decode(import_text *text, size_t size) {
     int order = utf16_order((unsigned char *)text->text, size);
+    size_t stray = 0;
     char *other = NULL;
-    if (order) {
-        other = from_utf16((unsigned char *)text->text, size, order, &size);
-    } else if (memchr(text->text, '\0', size)) {
+    if (!order && !take_nuls_out(text->text, &size, &stray))
         return cli_failure(NAME, "%s: not a text file: export it as CSV or text", text->file);
-    } else if (!is_utf8(text->text)) {
-        other = from_latin1(text->text, size, &size);
-    } else {
+    if (stray > 0)
+        cli_warning(NAME, "%s: %zu stray NUL byte(s) left out", text->file, stray);
+    if (!order && is_utf8(text->text)) {
         simplify(text->text);
         return CLI_OK;
     }
+    if (order)
+        other = from_utf16((unsigned char *)text->text, size, order, &size);
+    else
+        other = from_east_asia(text->text, size, &size);
+    if (!other && !order)
+        other = from_latin1(text->text, size, &size);
     if (!other)
         return cli_failure(NAME, "%s: out of memory", text->file);
     free(text->text);

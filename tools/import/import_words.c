@@ -1,4 +1,4 @@
-/* import_words.c: the words of six languages by which columns and specimens are named, and units. */
+/* import_words.c: the words of eight languages by which columns and specimens are named, and units. */
 #include "import.h"
 
 #include <ctype.h>
@@ -49,13 +49,22 @@ static const import_unit units[] = {
     {UNIT_RATE, "pts/secs", 1}, {UNIT_RATE, "samples/s", 1}, {UNIT_RATE, "1/sec", 1},
     {UNIT_RATE, "samples/sec", 1}, {UNIT_LENGTH, "millimeters", 1}, {UNIT_LENGTH, "millimeter", 1},
     {UNIT_LENGTH, "millimetres", 1}, {UNIT_LENGTH, "meters", 1e3}, {UNIT_LENGTH, "micrometers", 1e-3},
-    {UNIT_LENGTH, "micrometer", 1e-3}, {UNIT_FORCE, "millinewtons", 1e-3}, {UNIT_STRESS, "pascal", 1}};
+    {UNIT_LENGTH, "micrometer", 1e-3}, {UNIT_FORCE, "millinewtons", 1e-3}, {UNIT_STRESS, "pascal", 1},
+    {UNIT_TIME, "秒", 1}, {UNIT_TIME, "毫秒", 1e-3}, {UNIT_TIME, "分", 60}, {UNIT_LENGTH, "毫米", 1},
+    {UNIT_LENGTH, "微米", 1e-3}, {UNIT_LENGTH, "厘米", 10}, {UNIT_FORCE, "牛", 1}, {UNIT_FORCE, "牛顿", 1},
+    {UNIT_FORCE, "毫牛", 1e-3}, {UNIT_FORCE, "千牛", 1e3}, {UNIT_FORCE, "克", 9.80665e-3},
+    {UNIT_FORCE, "千克", 9.80665}, {UNIT_STRESS, "千帕", 1e3}, {UNIT_STRESS, "兆帕", 1e6}};
 /* clang-format on */
 
 enum { N_UNITS = sizeof units / sizeof units[0] };
 
-/* UTF-8 without accents: letters of Latin-1 become plain ones, micro u, squared 2; other signs are left out.
- */
+/* First byte of a Chinese or Japanese character of three, U+3000 to U+9FFF. */
+static bool starts_han(unsigned char c) {
+    return c >= 0xE3 && c <= 0xE9;
+}
+
+/* UTF-8 without accents: letters of Latin-1 become plain ones, micro u, squared 2; Chinese and Japanese ones
+ * stay, other signs are left out. */
 void import_plain(const char *from, bool lower, char *to, size_t room) {
     static const char plain[] = "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYPsaaaaaaaceeeeiiiidnooooo/ouuuuypy";
     size_t n = 0;
@@ -69,6 +78,10 @@ void import_plain(const char *from, bool lower, char *to, size_t room) {
         } else if (c == 0xC2 && (at[1] == 0xB2 || at[1] == 0xB3)) {
             c = at[1] == 0xB2 ? '2' : '3';
             at++;
+        } else if (starts_han(c) && at[1] && at[2]) {
+            for (int i = 0; i < 2 && n + 3 < room; i++)
+                to[n++] = (char)*at++;
+            c = *at;
         } else if (c >= 0x80) {
             continue;
         }
@@ -169,18 +182,29 @@ static const struct word {
     {STRAIN, 2, "compress"}, {STRAIN, 2, "elongation"}, {STRAIN, 2, "extension"}, {STRAIN, 2, "lambda"},
     {STRAIN, 2, "allongement"}, {STRAIN, 2, "=l"}, {STRAIN, 2, "allungamento"},
     {STRAIN, 2, "alargamiento"}, {STRAIN, 2, "alongamento"}, {DEFLECTION, 3, "deflection"},
-    {DEFLECTION, 3, "auslenkung"}, {DEFLECTION, 3, "deflexion"}};
+    {DEFLECTION, 3, "auslenkung"}, {DEFLECTION, 3, "deflexion"}, {TIME, 3, "时间"}, {TIME, 3, "時間"},
+    {DEPTH, 4, "深度"}, {DEPTH, 4, "深さ"}, {DEPTH, 3, "位移"}, {DEPTH, 3, "変位"}, {DEPTH, 3, "變位"},
+    {DEPTH, 3, "变形"}, {DEPTH, 3, "變形"}, {DEPTH, 3, "変形"}, {DEPTH, 3, "行程"}, {DEPTH, 3, "位置"},
+    {DEPTH, 3, "ストローク"}, {DEPTH, 2, "距离"}, {DEPTH, 2, "距離"}, {FORCE, 3, "=力"}, {FORCE, 3, "力值"},
+    {FORCE, 3, "试验力"}, {FORCE, 3, "試驗力"}, {FORCE, 3, "試験力"}, {FORCE, 3, "载荷"}, {FORCE, 3, "載荷"},
+    {FORCE, 3, "负荷"}, {FORCE, 3, "荷重"}, {FORCE, 3, "压力"}, {FORCE, 3, "圧力"}, {STRESS, 3, "应力"},
+    {STRESS, 3, "應力"}, {STRESS, 3, "応力"}, {STRESS, 2, "压力"}, {STRESS, 2, "圧力"}, {STRAIN, 3, "应变"},
+    {STRAIN, 3, "應變"}, {STRAIN, 3, "ひずみ"}};
 /* clang-format on */
 
 /* Names with these are of something else, or are rather not the one. */
-static const char *const never[] = {"rate",     "speed",     "velocity",   "geschwindigkeit", "vitesse",
-                                    "velocita", "velocidad", "velocidade", "tempera",         "frequen",
-                                    "freq",     "stiffness", "modul",      "steifigkeit",     "energ",
-                                    "work",     "arbeit",    "=error",     "zyklus",          "friction"};
+static const char *const never[] = {
+    "rate",    "speed",   "velocity", "geschwindigkeit", "vitesse", "velocita",    "velocidad", "velocidade",
+    "tempera", "frequen", "freq",     "stiffness",       "modul",   "steifigkeit", "energ",     "work",
+    "arbeit",  "=error",  "zyklus",   "friction",        "速度",    "速率",        "温度"};
 static const char *const rather_not[] = {
     "target", "=set",    "setpoint", "soll",       "demand",     "consigne", "command", "true",
     "wahre",  "=vraie",  "lateral",  "transverse", "horizontal", "quer",     "peak",    "=max",
     "=min",   "average", "raw",      "corrected",  "preload",    "absolut"};
+
+static bool is_letter(char c) {
+    return isalnum((unsigned char)c) || (unsigned char)c >= 0x80;
+}
 
 /* Whether a name in small plain letters has the word. */
 static bool has_word(const char *name, const char *word) {
@@ -188,7 +212,7 @@ static bool has_word(const char *name, const char *word) {
     word += whole;
     size_t n = strlen(word);
     for (const char *at = strstr(name, word); at; at = strstr(at + 1, word)) {
-        bool starts = at == name || !isalnum((unsigned char)at[-1]), ends = !isalnum((unsigned char)at[n]);
+        bool starts = at == name || !is_letter(at[-1]), ends = !is_letter(at[n]);
         if (!whole || (starts && ends))
             return true;
     }
@@ -224,6 +248,16 @@ int import_name_rank(const char *name, const import_unit *unit, int role) {
         if (words[i].role == role && words[i].rank > rank && has_word(plain, words[i].text))
             rank = words[i].rank;
     return rank > 1 && has_any(plain, sizeof rather_not / sizeof *rather_not, rather_not) ? 1 : rank;
+}
+
+bool import_names_in_han(const char *text) {
+    bool found[ROLES] = {false};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        const char *word = words[i].text + (*words[i].text == '=');
+        if (starts_han((unsigned char)*word) && strstr(text, word))
+            found[words[i].role] = true;
+    }
+    return found[TIME] + found[DEPTH] + found[FORCE] + found[STRESS] + found[STRAIN] >= 2;
 }
 
 bool import_names_gap(const char *name) {
@@ -268,7 +302,9 @@ static const struct word parts[] = {
     {PART_TIP_RADIUS, 3, "kugelradius"}, {PART_TIP_DIAMETER, 3, "tip diameter"},
     {PART_TIP_DIAMETER, 3, "indenter diameter"}, {PART_TIP_DIAMETER, 3, "probe diameter"},
     {PART_TIP_DIAMETER, 3, "punch diameter"}, {PART_TIP_DIAMETER, 3, "kugeldurchmesser"},
-    {PART_TIP_DIAMETER, 3, "stempeldurchmesser"}};
+    {PART_TIP_DIAMETER, 3, "stempeldurchmesser"}, {PART_HEIGHT, 4, "高度"}, {PART_HEIGHT, 4, "高さ"},
+    {PART_HEIGHT, 2, "厚度"}, {PART_HEIGHT, 2, "厚さ"}, {PART_DIAMETER, 3, "直径"}, {PART_DIAMETER, 3, "直徑"},
+    {PART_RADIUS, 3, "半径"}, {PART_RADIUS, 3, "半徑"}, {PART_AREA, 3, "面积"}, {PART_AREA, 3, "面積"}};
 /* clang-format on */
 
 /* A length of these is none of the specimen, nor a spring constant. */
