@@ -4,6 +4,7 @@
 #define PALPATE_RANDOM_H
 
 #include <palpate/export.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -17,6 +18,9 @@ PALP_API double palp_random_normal(uint64_t *state);  /* of mean 0 and standard 
 
 /* Sample k of a sequence of such normal numbers, whatever else is drawn. */
 PALP_API double palp_random_normal_at(uint64_t seed, uint64_t k);
+
+/* 95 % of Student's t lies within this of 0; infinite where there is no degree of freedom. */
+PALP_API double palp_student_95(size_t freedom);
 
 #ifdef __cplusplus
 }

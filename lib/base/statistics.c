@@ -1,6 +1,8 @@
 /* statistics.c: see statistics.h. */
 #include "statistics.h"
 
+#include <palpate/random.h>
+
 #include <math.h>
 
 double statistics_mean(const double *x, size_t n) {
@@ -78,7 +80,22 @@ static double chi2_below(size_t freedom, double x) {
     return below;
 }
 
+/* What a normal number stays below with that probability, at least a half, to 5e-4 (Abramowitz and Stegun
+ * 26.2.23). */
+static double normal_quantile(double share) {
+    double t = sqrt(-2.0 * log(1.0 - share));
+    return t - (2.515517 + t * (0.802853 + t * 0.010328)) /
+                   (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+}
+
+/* Of many degrees of freedom by Wilson and Hilferty, to 1e-4; the sum would take long and underflow. */
 double statistics_chi2_quantile(size_t freedom, double share) {
+    enum { MANY = 100 };
+    if (freedom > MANY) {
+        double normal = share < 0.5 ? -normal_quantile(1.0 - share) : normal_quantile(share);
+        double spread = 2.0 / (9.0 * (double)freedom);
+        return (double)freedom * pow(1.0 - spread + normal * sqrt(spread), 3.0);
+    }
     double low = 0.0, high = (double)freedom + 40.0 + 20.0 * sqrt((double)freedom);
     for (int i = 0; i < 200 && high > low; i++) {
         double middle = 0.5 * (low + high);
@@ -107,7 +124,9 @@ static double student_within(size_t freedom, double x) {
     return s * sum;
 }
 
-double statistics_student_95(size_t freedom) {
+double palp_student_95(size_t freedom) {
+    if (freedom == 0)
+        return HUGE_VAL;
     double low = 1.9, high = 13.0;
     for (int i = 0; i < 60; i++) {
         double middle = 0.5 * (low + high);
@@ -117,4 +136,8 @@ double statistics_student_95(size_t freedom) {
             high = middle;
     }
     return high;
+}
+
+double statistics_student_widening(size_t freedom) {
+    return palp_student_95(freedom) / 1.959963984540054;
 }

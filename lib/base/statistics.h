@@ -13,9 +13,9 @@ double statistics_kth(double *x, size_t n, size_t k);
 double statistics_quantile(double *x, size_t n, double share);
 double statistics_median(double *x, size_t n);
 
-/* Of Student's t: 95 % of it lies within this of 0. Of chi squared: a share of it lies below this. freedom >
- * 0. */
-double statistics_student_95(size_t freedom);
+/* By how much an interval of Student's t is wider than one of normal numbers. Of chi squared: a share of it
+ * lies below this. freedom > 0. */
+double statistics_student_widening(size_t freedom);
 double statistics_chi2_quantile(size_t freedom, double share);
 
 /* The least-squares line y = mean_y + slope (x - mean_x) through points. */

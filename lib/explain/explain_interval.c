@@ -2,21 +2,14 @@
 #include "explain_result.h"
 #include "base/dense.h"
 
+#include <palpate/random.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double EQUATIONS =
     0.01; /* of a parameter: what samples of a path and an effect's equations are good for */
-
-/* Student's 97.5 % quantile, to 1 %: Cornish and Fisher, exact below. */
-static double student(size_t freedom) {
-    static const double few[] = {12.71, 4.303, 3.182, 2.776};
-    double f = (double)freedom;
-    if (freedom == 0)
-        return few[0];
-    return freedom <= 4 ? few[freedom - 1] : 1.96 + 2.372 / f + 2.823 / (f * f);
-}
 
 /* Squared half width of parameter at's interval: what the noise allows (factor: of the normal matrix) and
  * what the runs, each counted as one, agree on; the wider. unit: [k] work. */
@@ -40,7 +33,7 @@ static double square_reach(const explain_fit *fit, const explain_data *data, con
     if (counted < 2)
         return noise;
     double n = (double)counted;
-    return fmax(noise, pow(student(counted - 1), 2) * between * n / (n - 1.0));
+    return fmax(noise, pow(palp_student_95(counted > 2 ? counted - 1 : 1), 2) * between * n / (n - 1.0));
 }
 
 palp_status explain_reaches_find(const explain_fit *fit, const explain_data *data, double *reach,

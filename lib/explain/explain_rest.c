@@ -2,6 +2,7 @@
 #include "explain_search.h"
 #include "explain_noise.h"
 #include "base/dense.h"
+#include "base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,20 +15,6 @@ static const double KNOWN_TO = 0.25; /* of its variance: how well the noise is k
 static const double PULLS = 0.3;     /* of a release: a model that pulls so much there follows it */
 static const double TOLD =
     0.66; /* noise levels in a run: equations and the samples of a path are not better than that */
-
-/* What a normal number exceeds with that probability, at most a half, to 5e-4 (Abramowitz and
- * Stegun 26.2.23). */
-static double normal_above(double alarm) {
-    double t = sqrt(-2.0 * log(alarm));
-    return t - (2.515517 + t * (0.802853 + t * 0.010328)) /
-                   (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
-}
-
-/* What chi2 of so many blocks stays below with probability 1 - alarm (Wilson and Hilferty). */
-static double limit_of(double blocks, double alarm) {
-    double share = 2.0 / (9.0 * blocks), root = 1.0 - share + normal_above(alarm) * sqrt(share);
-    return blocks * root * root * root;
-}
 
 /* x: whitened, raw: in N, both 0 where a sample does not count. */
 typedef struct blocks {
@@ -83,7 +70,8 @@ static double rest_of(const explain_run *run, const double *x, const double *raw
         scales++;
     for (size_t length = TIMES; BLOCKS_MIN * length <= run->n; length *= TIMES) {
         blocks b = sum_blocks(run, x, raw, length);
-        double limit = (1.0 + KNOWN_TO) * noise * limit_of(b.count, alarm / (double)scales);
+        double limit = (1.0 + KNOWN_TO) * noise *
+                       statistics_chi2_quantile((size_t)b.count, 1.0 - alarm / (double)scales);
         if (b.count > 0.0 && b.whitened > limit)
             most = fmax(most, b.raw / (double)run->n * (1.0 - noise * b.count / b.whitened));
     }
@@ -117,7 +105,7 @@ palp_status explain_rest_inflation(const explain_data *data, const double *resid
     }
     for (size_t k = 0; k < SCALES; k++)
         if (count[k] > 0.0)
-            *inflation = fmax(*inflation, whitened[k] / limit_of(count[k], 0.01));
+            *inflation = fmax(*inflation, whitened[k] / statistics_chi2_quantile((size_t)count[k], 0.99));
     free(x);
     return PALP_OK;
 }

@@ -4,6 +4,7 @@
 #include "base/statistics.h"
 
 #include <math.h>
+#include <palpate/random.h>
 
 static palp_modulus mean_of(size_t n, const palp_moduli *each, size_t offset, double *between) {
     double sum = 0.0, square = 0.0;
@@ -15,7 +16,7 @@ static palp_modulus mean_of(size_t n, const palp_moduli *each, size_t offset, do
         square += off * off;
     }
     *between = sqrt(square / (double)(n - 1));
-    const double sd = *between / sqrt((double)n), half = statistics_student_95(n - 1) * sd;
+    const double sd = *between / sqrt((double)n), half = palp_student_95(n - 1) * sd;
     return (palp_modulus){mean, sd, mean - half, mean + half};
 }
 

@@ -197,7 +197,7 @@ static void to_natural(const specimens *s, const double *c, double *to) {
 /* The mean specimen's fit: its covariance widened by Student's t. */
 static palp_status give_mean(specimens *s) {
     const size_t n = s->n_parameters;
-    const double t = statistics_student_95(s->n - 1) / 1.959963984540054;
+    const double t = statistics_student_widening(s->n - 1);
     double *v = malloc((n + 2 * n * n) * sizeof *v), unit[FIT_PARAMETERS_MAX];
     if (!v)
         return PALP_ERR_NO_MEMORY;
@@ -388,7 +388,7 @@ palp_status palp_specimens_fit_stiffness(const palp_specimens_fit *fit, size_t n
     if (!fit || !strain || !point || fit->n_specimens < 2)
         return PALP_ERR_ARGUMENT;
     const size_t freedom = fit->n_specimens - 1;
-    const double t = statistics_student_95(freedom) / 1.959963984540054;
+    const double t = statistics_student_widening(freedom);
     const double most = (double)freedom / statistics_chi2_quantile(freedom, 0.025);
     const double least = (double)freedom / statistics_chi2_quantile(freedom, 0.975);
     palp_status status = PALP_OK;

@@ -110,7 +110,7 @@ palp_status palp_model_unmeasured(size_t n, const double *covariance, const doub
                                   size_t n_specimens, double *total) {
     if (!covariance || !between || !total || n_specimens < 2)
         return PALP_ERR_ARGUMENT;
-    double t = statistics_student_95(n_specimens - 1) / 1.959963984540054;
+    double t = statistics_student_widening(n_specimens - 1);
     for (size_t i = 0; i < n * n; i++)
         total[i] = covariance[i] + t * t * between[i];
     return PALP_OK;

@@ -2,6 +2,7 @@
 #include "machine_trace.h"
 
 #include <math.h>
+#include <palpate/random.h>
 #include <stdlib.h>
 
 enum { FIRST_ROOM = 4096 };
@@ -37,13 +38,6 @@ void machine_trace_heard(const session *s, const palp_wire_message *m, void *con
 void machine_trace_free(machine_trace *t) {
     free(t->list);
     *t = (machine_trace){.n = 0};
-}
-
-double machine_student(size_t degrees) {
-    static const double few[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228};
-    if (degrees < 1)
-        return INFINITY;
-    return degrees <= sizeof few / sizeof few[0] ? few[degrees - 1] : 1.96 + 2.5 / (double)degrees;
 }
 
 /* ---- a line ---- */
@@ -102,6 +96,6 @@ bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const doubl
     }
     const double spread = fmax(sd, sqrt(square / (double)(n - terms)));
     for (size_t j = 0; j < terms; j++)
-        c[j].half = machine_student(n - terms) * spread * sqrt(m.inverse[j][j]);
+        c[j].half = palp_student_95(n - terms) * spread * sqrt(m.inverse[j][j]);
     return true;
 }

@@ -35,6 +35,4 @@ enum { MACHINE_TERMS = 4 };
 bool machine_fit(size_t n, size_t terms, double (*x)[MACHINE_TERMS], const double *y, double sd,
                  machine_figure *coefficient, double *residual);
 
-double machine_student(size_t degrees); /* 97.5 % quantile */
-
 #endif

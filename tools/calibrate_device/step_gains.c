@@ -3,6 +3,7 @@
 #include "calibrate_device.h"
 
 #include <math.h>
+#include <palpate/random.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -142,7 +143,7 @@ static bool widen(const points *p, machine_figure c[TERMS]) {
     }
     for (size_t j = 0; j < TERMS; j++)
         c[j].half =
-            hypot(fmax(c[j].half, machine_student(PARTS - 1) * sqrt(square[j])), EQUATIONS * c[j].value);
+            hypot(fmax(c[j].half, palp_student_95(PARTS - 1) * sqrt(square[j])), EQUATIONS * c[j].value);
     free(some.x);
     free(some.y);
     return good;

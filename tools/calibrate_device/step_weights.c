@@ -2,6 +2,7 @@
 #include "calibrate_device.h"
 
 #include <math.h>
+#include <palpate/random.h>
 #include <stdlib.h>
 
 static const char NAME[] = MACHINE_NAME;
@@ -144,7 +145,7 @@ static int keep(const weighing *w, const weighed *r, const device_parameters *p)
         change[n++] = (machine_change){device_parameter_find(p, "Fz_N", c), w->row[c] / r->slope.value};
     change[n++] = (machine_change){device_parameter_find(p, "noise_N", 0), r->noise_N};
     change[n++] = (machine_change){device_parameter_find(p, "sensitivity_sd", 0),
-                                   r->slope.half / machine_student(w->n - 2) / fabs(r->slope.value)};
+                                   r->slope.half / palp_student_95(w->n - 2) / fabs(r->slope.value)};
     change[n++] = (machine_change){device_parameter_find(p, "calibration_day", 0), machine_today()};
     const int code = check_change(w);
     return code ? code : machine_change_all(w->o, &w->s->device, n, change);

@@ -66,17 +66,19 @@ END_TEST
 
 /* As tables give them. */
 START_TEST(quantiles_of_student_and_chi_squared) {
-    ck_assert_double_eq_tol(statistics_student_95(1), 12.7062, 1e-4);
-    ck_assert_double_eq_tol(statistics_student_95(2), 4.30265, 1e-5);
-    ck_assert_double_eq_tol(statistics_student_95(5), 2.57058, 1e-5);
-    ck_assert_double_eq_tol(statistics_student_95(30), 2.04227, 1e-5);
-    ck_assert_double_eq_tol(statistics_student_95(1000), 1.96234, 1e-5);
+    ck_assert_double_eq_tol(palp_student_95(1), 12.7062, 1e-4);
+    ck_assert_double_eq_tol(palp_student_95(2), 4.30265, 1e-5);
+    ck_assert_double_eq_tol(palp_student_95(5), 2.57058, 1e-5);
+    ck_assert_double_eq_tol(palp_student_95(30), 2.04227, 1e-5);
+    ck_assert_double_eq_tol(palp_student_95(1000), 1.96234, 1e-5);
     ck_assert_double_eq_tol(statistics_chi2_quantile(1, 0.025), 0.00098207, 1e-8);
     ck_assert_double_eq_tol(statistics_chi2_quantile(1, 0.975), 5.02389, 1e-5);
     ck_assert_double_eq_tol(statistics_chi2_quantile(2, 0.025), 0.0506356, 1e-7);
     ck_assert_double_eq_tol(statistics_chi2_quantile(5, 0.975), 12.8325, 1e-4);
     ck_assert_double_eq_tol(statistics_chi2_quantile(10, 0.025), 3.24697, 1e-5);
     ck_assert_double_eq_tol(statistics_chi2_quantile(100, 0.975), 129.561, 1e-3);
+    ck_assert_double_eq_tol(statistics_chi2_quantile(1000, 0.975), 1089.531, 0.05);
+    ck_assert_double_eq_tol(statistics_chi2_quantile(10000, 0.01), 9673.949, 0.2);
 }
 END_TEST
 

@@ -178,6 +178,9 @@ START_TEST(missing_samples_are_counted) {
         at_s[i] = 7.0 * (double)i;
     ck_assert_int_eq(palp_segments_clock(200, at_s, &step, &missing), PALP_OK);
     ck_assert(missing == 0 && fabs(step - 7.0) < 1e-12);
+    at_s[199] = 1e30; /* more steps than an integer counts */
+    ck_assert_int_eq(palp_segments_clock(200, at_s, &step, &missing), PALP_OK);
+    ck_assert_uint_eq(missing, 1000000000);
 }
 END_TEST
 
