@@ -241,6 +241,8 @@ START_TEST(null_in_recording) {
     REFUSED(palp_recording_prepare((void *)storage, NULL, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_recording_prepare((void *)storage, text, NULL, (void *)storage, NULL));
     REFUSED(palp_recording_prepare((void *)storage, text, (void *)storage, NULL, NULL));
+    REFUSED(palp_recording_check(NULL, text, 1, NULL));
+    REFUSED(palp_recording_check((void *)storage, NULL, 1, NULL));
     REFUSED(palp_filter_zero_phase(2, NULL, 0.5, 4, 0.5, numbers));
     REFUSED(palp_filter_zero_phase(2, numbers, 0.5, 4, 0.5, NULL));
 }

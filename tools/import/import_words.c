@@ -51,7 +51,8 @@ static const import_unit units[] = {
     {UNIT_LENGTH, "millimetres", 1}, {UNIT_LENGTH, "meters", 1e3}, {UNIT_LENGTH, "micrometers", 1e-3},
     {UNIT_LENGTH, "micrometer", 1e-3}, {UNIT_FORCE, "millinewtons", 1e-3}, {UNIT_STRESS, "pascal", 1},
     {UNIT_TIME, "秒", 1}, {UNIT_TIME, "毫秒", 1e-3}, {UNIT_TIME, "分", 60}, {UNIT_LENGTH, "毫米", 1},
-    {UNIT_LENGTH, "微米", 1e-3}, {UNIT_LENGTH, "厘米", 10}, {UNIT_FORCE, "牛", 1}, {UNIT_FORCE, "牛顿", 1},
+    {UNIT_LENGTH, "微米", 1e-3}, {UNIT_LENGTH, "厘米", 10}, {UNIT_FORCE, "牛", 1},
+    {UNIT_FORCE, "牛顿", 1},
     {UNIT_FORCE, "毫牛", 1e-3}, {UNIT_FORCE, "千牛", 1e3}, {UNIT_FORCE, "克", 9.80665e-3},
     {UNIT_FORCE, "千克", 9.80665}, {UNIT_STRESS, "千帕", 1e3}, {UNIT_STRESS, "兆帕", 1e6}};
 /* clang-format on */
@@ -183,12 +184,18 @@ static const struct word {
     {STRAIN, 2, "allongement"}, {STRAIN, 2, "=l"}, {STRAIN, 2, "allungamento"},
     {STRAIN, 2, "alargamiento"}, {STRAIN, 2, "alongamento"}, {DEFLECTION, 3, "deflection"},
     {DEFLECTION, 3, "auslenkung"}, {DEFLECTION, 3, "deflexion"}, {TIME, 3, "时间"}, {TIME, 3, "時間"},
-    {DEPTH, 4, "深度"}, {DEPTH, 4, "深さ"}, {DEPTH, 3, "位移"}, {DEPTH, 3, "変位"}, {DEPTH, 3, "變位"},
-    {DEPTH, 3, "变形"}, {DEPTH, 3, "變形"}, {DEPTH, 3, "変形"}, {DEPTH, 3, "行程"}, {DEPTH, 3, "位置"},
-    {DEPTH, 3, "ストローク"}, {DEPTH, 2, "距离"}, {DEPTH, 2, "距離"}, {FORCE, 3, "=力"}, {FORCE, 3, "力值"},
-    {FORCE, 3, "试验力"}, {FORCE, 3, "試驗力"}, {FORCE, 3, "試験力"}, {FORCE, 3, "载荷"}, {FORCE, 3, "載荷"},
-    {FORCE, 3, "负荷"}, {FORCE, 3, "荷重"}, {FORCE, 3, "压力"}, {FORCE, 3, "圧力"}, {STRESS, 3, "应力"},
-    {STRESS, 3, "應力"}, {STRESS, 3, "応力"}, {STRESS, 2, "压力"}, {STRESS, 2, "圧力"}, {STRAIN, 3, "应变"},
+    {DEPTH, 4, "深度"}, {DEPTH, 4, "深さ"}, {DEPTH, 3, "位移"}, {DEPTH, 3, "変位"},
+    {DEPTH, 3, "變位"},
+    {DEPTH, 3, "变形"}, {DEPTH, 3, "變形"}, {DEPTH, 3, "変形"}, {DEPTH, 3, "行程"},
+    {DEPTH, 3, "位置"},
+    {DEPTH, 3, "ストローク"}, {DEPTH, 2, "距离"}, {DEPTH, 2, "距離"}, {FORCE, 3, "=力"},
+    {FORCE, 3, "力值"},
+    {FORCE, 3, "试验力"}, {FORCE, 3, "試驗力"}, {FORCE, 3, "試験力"}, {FORCE, 3, "载荷"},
+    {FORCE, 3, "載荷"},
+    {FORCE, 3, "负荷"}, {FORCE, 3, "荷重"}, {FORCE, 3, "压力"}, {FORCE, 3, "圧力"},
+    {STRESS, 3, "应力"},
+    {STRESS, 3, "應力"}, {STRESS, 3, "応力"}, {STRESS, 2, "压力"}, {STRESS, 2, "圧力"},
+    {STRAIN, 3, "应变"},
     {STRAIN, 3, "應變"}, {STRAIN, 3, "ひずみ"}};
 /* clang-format on */
 
@@ -303,8 +310,10 @@ static const struct word parts[] = {
     {PART_TIP_DIAMETER, 3, "indenter diameter"}, {PART_TIP_DIAMETER, 3, "probe diameter"},
     {PART_TIP_DIAMETER, 3, "punch diameter"}, {PART_TIP_DIAMETER, 3, "kugeldurchmesser"},
     {PART_TIP_DIAMETER, 3, "stempeldurchmesser"}, {PART_HEIGHT, 4, "高度"}, {PART_HEIGHT, 4, "高さ"},
-    {PART_HEIGHT, 2, "厚度"}, {PART_HEIGHT, 2, "厚さ"}, {PART_DIAMETER, 3, "直径"}, {PART_DIAMETER, 3, "直徑"},
-    {PART_RADIUS, 3, "半径"}, {PART_RADIUS, 3, "半徑"}, {PART_AREA, 3, "面积"}, {PART_AREA, 3, "面積"}};
+    {PART_HEIGHT, 2, "厚度"}, {PART_HEIGHT, 2, "厚さ"}, {PART_DIAMETER, 3, "直径"},
+    {PART_DIAMETER, 3, "直徑"},
+    {PART_RADIUS, 3, "半径"}, {PART_RADIUS, 3, "半徑"}, {PART_AREA, 3, "面积"},
+    {PART_AREA, 3, "面積"}};
 /* clang-format on */
 
 /* A length of these is none of the specimen, nor a spring constant. */
