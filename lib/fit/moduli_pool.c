@@ -1,7 +1,6 @@
 /* moduli_pool.c: the moduli of several specimens as one mean. */
 #include <palpate/moduli.h>
 
-
 #include <math.h>
 #include <palpate/random.h>
 
