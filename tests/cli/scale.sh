@@ -61,4 +61,21 @@ for case in "0.215483 0.0004 18 12 static hold3" "0.418045 0.02 14 8 static hold
             fail "a lag of $lag s in $*, force, length, time times $factors: $(paste -d ' ' plain other | tr '\n' ';')"
     done
 done
+
+# The other commands, from the model and the runs in these units: explain, which has no name for a lag here, calibrate and simulate.
+for factors in "1 1 1" "1e3 1 1" "1e-3 1 1" "1 10 1" "1 1 10"; do
+    set -- $factors
+    for run in static hold3; do scaled $factors $run.csv >other_$run.csv; done
+    expect 0 characterize other_static.csv other_hold3.csv --arms 1 --degree 3 --out other.json --force
+    expect 0 explain --model other.json other_static.csv other_hold3.csv --every 8 --max-effects 1 --candidates coulomb_friction --result found.json --force
+    sed -n '/^ *"verdict"/p; /^ *"id"/p' found.json >words
+    expect 0 calibrate other.json --stage static --nodes 3 --out network.json --force
+    expect 0 simulate other.json --like other_hold3.csv --out simulated.csv --force
+    { value found.json after_N; awk -F, '/^[0-9]/ { f = $3 > f ? $3 : f } END { printf "%.9g\n", f }' simulated.csv
+        sed -n '/"coefficients_N"/,/]/p' network.json | grep -o '[-0-9.e+]\{6,\}' | head -n 5; } | awk -v f=$1 '{ printf "%.9g\n", $1 / f }' >numbers
+    [ "$factors" = "1 1 1" ] && cp words words.plain && cp numbers numbers.plain
+    cmp -s words words.plain || fail "explain, force, length, time times $factors: $(cat words)"
+    paste -d ' ' numbers.plain numbers | awk '{ m = $1 < 0 ? -$1 : $1; d = $2 - $1; if (d > 1e-4 * m || d < -1e-4 * m || NF != 2) bad = 1 } END { exit bad || NR < 4 }' ||
+        fail "explain, calibrate, simulate, force, length, time times $factors: $(paste -d ' ' numbers.plain numbers | tr '\n' ';')"
+done
 done_testing
