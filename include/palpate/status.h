@@ -21,7 +21,8 @@ extern "C" {
     X(ERR_BUCKLED, "no equilibrium found past a loss of stability")                                          \
     X(ERR_SINGULAR, "the tangent is singular: a mechanism or a disconnected node")                           \
     X(ERR_COLLAPSED, "an element has collapsed to zero length")                                              \
-    X(ERR_STOPPED, "stopped by the caller")
+    X(ERR_STOPPED, "stopped by the caller")                                                                  \
+    X(ERR_INSIDE, "a tool is inside the tissue and touches nothing of its surface")
 
 typedef enum palp_status {
 #define PALP_STATUS_MEMBER(name, text) PALP_##name,

@@ -63,7 +63,8 @@ PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max
                                                const palp_contact_settings *settings);
 
 /* Places the tools for the next step, copied; they stay so until the next call. Friction knows a tool by its
- * place in the list; one that moved since the last committed step moved straight from there. ERR_ARGUMENT:
+ * place in the list; one that moved since the last committed step moved straight from there. A step follows
+ * it in parts of at most half an edge of the surface and a quarter of its radius. ERR_ARGUMENT:
  * more than max_tools, a number that is not finite, an axis (capsule, plane) that is no unit vector within
  * 1e-6, a radius that is not positive, a negative length or friction. */
 PALP_API palp_status palp_network_set_tools(palp_network *network, size_t n, const palp_tool *tools);

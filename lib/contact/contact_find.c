@@ -5,6 +5,8 @@
 #include <string.h>
 
 static const double REACH = 0.5;   /* of an edge: so near, a point may come to touch in a step */
+static const double BEND = 0.25;   /* of a tool's radius: so far its contacts keep their directions, within
+                                      a cosine of BEND */
 static const double MIDDLE = 0.1;  /* pull to the middle of a triangle, so that the nearest point is one also
                                       where a capsule lies flat on it */
 static const double SPREAD = 0.12; /* of the penalty's stiffness, where a smooth surface spreads its force
@@ -294,6 +296,11 @@ double contact_travel(const contact_set *set, const palp_tool *pose, size_t tool
     along3(pose->axis, -1.0, was->axis, turned);
     double reach = pose->shape == PALP_TOOL_CAPSULE ? pose->length_m : 0.0;
     return sqrt(dot3(moved, moved)) + reach * sqrt(dot3(turned, turned));
+}
+
+double contact_stride(const contact_set *set, const palp_tool *tool) {
+    const double reach = REACH * set->edge;
+    return tool->shape == PALP_TOOL_PLANE ? reach : fmin(reach, BEND * tool->radius_m);
 }
 
 void contact_find(contact_set *set, const double *committed, const double *x) {

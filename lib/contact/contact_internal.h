@@ -97,8 +97,8 @@ palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools
  * at x. */
 void contact_set_place(contact_set *set, double share, const double *committed, const double *x);
 
-/* Has a tool come or moved since the committed state? */
-bool contact_set_moved(const contact_set *set);
+/* How far tools have come or moved since the committed state, in strides of each; 0 = none has. */
+double contact_set_way(const contact_set *set);
 
 /* Forces at x, added to force[3 n_nodes]; *squares as network_term residual. */
 void contact_set_evaluate(contact_set *set, const double *x, double *force, double *squares);
@@ -115,6 +115,9 @@ void contact_set_swap(contact_set *set);
  * them, N. */
 double contact_set_doubt(contact_set *set, double error);
 
+/* After finish: is a tool in the body of this surface[3 n] without touching it? */
+bool contact_set_inside(const contact_set *set, size_t n, const int32_t *surface, const double *x);
+
 /* Adds a force on the tissue, size times force, at a point of it to what the tool in this pose feels. */
 void contact_feel(const palp_tool *pose, const double point[3], double size, const double force[3],
                   palp_tool_force *felt);
@@ -126,6 +129,9 @@ void contact_find(contact_set *set, const double *committed, const double *x);
 
 /* How far a tool goes in this step, to this pose, m. */
 double contact_travel(const contact_set *set, const palp_tool *pose, size_t tool);
+
+/* How far a tool is followed at once, m. */
+double contact_stride(const contact_set *set, const palp_tool *tool);
 
 /* From a point to the nearest of a sphere's centre or a capsule's axis, m; from a plane, 0 behind it. */
 double contact_distance(const palp_tool *tool, const double point[3]);

@@ -90,13 +90,46 @@ palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools
     return PALP_OK;
 }
 
-bool contact_set_moved(const contact_set *set) {
-    if (set->n_tools > set->now.n_tools)
-        return true;
+double contact_set_way(const contact_set *set) {
+    double longest = set->n_tools > set->now.n_tools ? 1.0 : 0.0;
+    for (size_t i = 0; i < set->n_tools; i++)
+        longest = fmax(longest, contact_travel(set, &set->tool[i], i) / contact_stride(set, &set->tool[i]));
+    return longest;
+}
+
+/* Is a point in the body? By the faces that it is below, over those that it is above: a line along y leaves
+ * the body as often as it enters it. Edges belong to the face on one side of them alone. */
+static bool in_body(size_t n, const int32_t *surface, const double *x, const double *p) {
+    bool inside = false;
+    for (size_t i = 0; i < n; i++) {
+        const double *corner[3];
+        bool over = false;
+        for (size_t k = 0; k < 3; k++)
+            corner[k] = x + 3 * surface[3 * i + k];
+        for (size_t k = 0; k < 3; k++) {
+            const double *a = corner[k], *b = corner[(k + 1) % 3];
+            if ((a[0] > p[0]) != (b[0] > p[0]) &&
+                p[2] < a[2] + (p[0] - a[0]) * (b[2] - a[2]) / (b[0] - a[0]))
+                over = !over;
+        }
+        if (!over)
+            continue;
+        double ab[3], ac[3], ap[3], normal[3];
+        along3(corner[1], -1.0, corner[0], ab);
+        along3(corner[2], -1.0, corner[0], ac);
+        along3(p, -1.0, corner[0], ap);
+        cross3(ab, ac, normal);
+        if ((dot3(normal, ap) < 0.0) == (normal[1] > 0.0))
+            inside = !inside;
+    }
+    return inside;
+}
+
+bool contact_set_inside(const contact_set *set, size_t n, const int32_t *surface, const double *x) {
     for (size_t i = 0; i < set->n_tools; i++) {
-        const palp_tool *was = &set->now.pose[i], *is = &set->tool[i];
-        if (memcmp(was->position_m, is->position_m, sizeof was->position_m) != 0 ||
-            memcmp(was->axis, is->axis, sizeof was->axis) != 0)
+        const palp_tool *tool = &set->next.pose[i];
+        if (tool->shape != PALP_TOOL_PLANE && set->next.felt[i].contacts == 0 &&
+            in_body(n, surface, x, tool->position_m))
             return true;
     }
     return false;

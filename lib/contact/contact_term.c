@@ -79,9 +79,13 @@ static void term_finish(network_term *term, palp_network *net) {
     contact_set_finish(&t->set, t->layer ? layer_places(t->layer, net->next.x) : net->next.x);
 }
 
-static bool term_moved(const network_term *term, const palp_network *net) {
+static double term_way(const network_term *term, const palp_network *net) {
     (void)net;
-    return contact_set_moved(const_set_of(term));
+    return contact_set_way(const_set_of(term));
+}
+
+static bool term_inside(const network_term *term, const palp_network *net) {
+    return contact_set_inside(const_set_of(term), net->n_surface, net->surface, net->next.x);
 }
 
 static void term_place(network_term *term, palp_network *net, double share) {
@@ -269,10 +273,11 @@ static const network_term_kind CONTACT = {.reset = term_reset,
                                           .times = term_times,
                                           .whole_times = term_whole_times,
                                           .energy = term_energy,
-                                          .moved = term_moved,
+                                          .way = term_way,
                                           .place = term_place,
                                           .refresh = term_refresh,
                                           .follow = term_follow,
+                                          .inside = term_inside,
                                           .weigh = term_weigh,
                                           .share_residual = term_share_residual,
                                           .doubt = term_doubt};

@@ -55,13 +55,14 @@ static void grasp_begin(network_term *term, palp_network *net) {
     grasp_place(term, net, 1.0);
 }
 
-static bool grasp_moved(const network_term *term, const palp_network *net) {
+/* Springs to the targets are linear: however far a hand goes, it may be followed at once. */
+static double grasp_way(const network_term *term, const palp_network *net) {
     const grasp *t = (const grasp *)term;
     (void)net;
     for (size_t i = 0; i < t->n; i++)
         if (memcmp(t->now[i].was, t->now[i].target, sizeof t->now[i].was) != 0)
-            return true;
-    return false;
+            return 1.0;
+    return 0.0;
 }
 
 static void grasp_evaluate(network_term *term, palp_network *net) {
@@ -149,7 +150,7 @@ static const network_term_kind GRASP = {.reset = grasp_reset,
                                         .blocks = grasp_blocks,
                                         .times = grasp_times,
                                         .energy = grasp_energy,
-                                        .moved = grasp_moved,
+                                        .way = grasp_way,
                                         .place = grasp_place,
                                         .weigh = grasp_weigh,
                                         .share_residual = grasp_share_residual,

@@ -213,9 +213,12 @@ palp_status network_newton(palp_network *net, palp_step_info *info);
 void network_place(palp_network *net, double depth);
 
 /* What opens a time step (arguments, constants of the step, terms) and what closes a solved one: what next
- * holds beside positions and history. */
+ * holds beside positions and history. ERR_INSIDE: a tool has lost the surface. */
 palp_status network_begin(palp_network *net, double depth_m, double dt_s);
-void network_finish(palp_network *net);
+palp_status network_finish(palp_network *net);
+
+/* How far terms go in this step, over the farthest that one is followed at once; 0 = they stay. */
+double network_longest_way(const palp_network *net);
 
 /* Largest |strain[n_elements]| of the elements that are not cut. */
 double network_largest_strain(const palp_network *net, const double *strain);

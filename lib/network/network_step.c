@@ -81,14 +81,12 @@ bool network_refresh(palp_network *net) {
     return any;
 }
 
-/* Does a term move on a path of its own; and does it in this step? */
-static bool has_paths(const palp_network *net, bool in_step) {
-    for (size_t i = 0; i < net->n_terms; i++) {
-        const network_term_kind *kind = net->terms[i]->kind;
-        if (kind->moved && (!in_step || kind->moved(net->terms[i], net)))
-            return true;
-    }
-    return false;
+double network_longest_way(const palp_network *net) {
+    double longest = 0.0;
+    for (size_t i = 0; i < net->n_terms; i++)
+        if (net->terms[i]->kind->way)
+            longest = fmax(longest, net->terms[i]->kind->way(net->terms[i], net));
+    return longest;
 }
 
 /* Newton; where terms had to take their points anew, again from there. */
@@ -100,14 +98,16 @@ static palp_status equilibrium(palp_network *net, palp_step_info *info) {
     return status;
 }
 
-/* Goes to the depth and to where terms go in parts, each started from the secant through the last two:
- * history and time stay those of the whole step, so this only finds a better place to start Newton from. */
-static palp_status approach(palp_network *net, double depth, palp_step_info *info) {
+/* Goes to the depth and to where terms go in parts, none longer than terms can be followed at once, each
+ * started from the secant through the last two: history and time stay those of the whole step, so this only
+ * finds a better place to start Newton from. */
+static palp_status approach(palp_network *net, double depth, double way, palp_step_info *info) {
     size_t size = 3 * net->n_nodes * sizeof(double);
-    double reached = 0.0, before = 0.0, part = 0.25;
+    double reached = 0.0, before = 0.0, part = fmin(0.25, 1.0 / way);
+    const double least = part / 512.0;
     memcpy(net->way[0], net->now.x, size);
     palp_status status = PALP_ERR_NOT_CONVERGED;
-    while (part >= 1.0 / 2048.0 && reached != 1.0) {
+    while (part >= least && reached != 1.0) {
         double target = 1.0 - reached <= 1.0001 * part ? 1.0 : reached + part;
         double ahead = reached != before ? (target - reached) / (reached - before) : 0.0;
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -123,46 +123,58 @@ static palp_status approach(palp_network *net, double depth, palp_step_info *inf
         memcpy(net->way[0], net->next.x, size);
         before = reached;
         reached = target;
-        part *= 1.5;
+        part = fmin(1.5 * part, 1.0 / way);
     }
     return status;
 }
 
-static palp_status from_linear(palp_network *net, double depth, bool moves, palp_step_info *info) {
-    palp_status status = predict_linear(net, depth);
+/* From the last state; at once where terms go no further than that allows. */
+static palp_status from_last(palp_network *net, double depth, palp_step_info *info) {
+    const double way = network_longest_way(net);
+    palp_status status = way > 1.0 ? PALP_ERR_NOT_CONVERGED : predict_linear(net, depth);
     if (!status)
         status = equilibrium(net, info);
-    if (status && status != PALP_ERR_NO_MEMORY && status != PALP_ERR_SINGULAR && moves && !net->no_approach)
-        status = approach(net, depth, info);
+    if (status && status != PALP_ERR_NO_MEMORY && status != PALP_ERR_SINGULAR &&
+        (depth != net->now.depth || way > 0.0) && !net->no_approach)
+        status = approach(net, depth, way, info);
     return status;
 }
 
-/* Tissue that slides off a tool snaps: where its branch ends, down to a stable one. */
-static palp_status snap(palp_network *net, double depth, bool moves, palp_step_info *info) {
-    palp_branch own = net->settings.branch;
-    net->settings.branch = PALP_BRANCH_STABLE;
-    NETWORK_EACH_TERM(net, begin, net);
-    palp_status status = from_linear(net, depth, moves, info);
-    net->settings.branch = own;
-    net->left_branch = true;
-    return status;
-}
-
-static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
+/* From where the last states lead; else from the last one. */
+static palp_status follow(palp_network *net, double depth, double time, palp_step_info *info) {
     palp_status status = PALP_ERR_NOT_CONVERGED;
-    bool extrapolated = network_extrapolate(net, depth, time, true) && network_evaluate(net);
-    bool moves = depth != net->now.depth || has_paths(net, true);
+    bool extrapolated = network_longest_way(net) <= 1.0 && network_extrapolate(net, depth, time, true) &&
+                        network_evaluate(net);
     if (extrapolated)
         status = equilibrium(net, info);
     if (status && status != PALP_ERR_NO_MEMORY && !(extrapolated && net->no_approach)) {
         if (extrapolated)
             NETWORK_EACH_TERM(net, begin, net);
-        status = from_linear(net, depth, moves, info);
+        status = from_last(net, depth, info);
     }
-    bool ended =
-        status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
-    if (ended && has_paths(net, false) && !net->no_approach && net->settings.branch == PALP_BRANCH_CONTINUE)
-        status = snap(net, depth, moves, info);
+    return status;
+}
+
+static bool has_paths(const palp_network *net) {
+    bool any = false;
+    for (size_t i = 0; i < net->n_terms; i++)
+        any = any || net->terms[i]->kind->way;
+    return any;
+}
+
+/* Tissue that slides off a tool snaps: where its branch ends or turns unstable, down to a stable one. */
+static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
+    const palp_branch own = net->settings.branch;
+    palp_status status = follow(net, depth, time, info);
+    const bool ended = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED ||
+                       status == PALP_ERR_COLLAPSED || (!status && info->negative_pivots > 0);
+    if (!ended || own != PALP_BRANCH_CONTINUE || net->no_approach || !has_paths(net))
+        return status;
+    net->settings.branch = PALP_BRANCH_STABLE;
+    NETWORK_EACH_TERM(net, begin, net);
+    status = from_last(net, depth, info);
+    net->settings.branch = own;
+    net->left_branch = true;
     return status;
 }
 
@@ -221,7 +233,7 @@ palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
     return PALP_OK;
 }
 
-void network_finish(palp_network *net) {
+palp_status network_finish(palp_network *net) {
     net->next.force = network_drive_force(net);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         net->next.inner[i] = net->fint[i] + net->outer[i];
@@ -233,6 +245,10 @@ void network_finish(palp_network *net) {
                 net->next.element[i] +=
                     net->step.carry * net->now.vector[3 * i + k] * net->direction[k * net->n_elements + i];
     NETWORK_EACH_TERM(net, finish, net);
+    for (size_t i = 0; i < net->n_terms; i++)
+        if (net->terms[i]->kind->inside && net->terms[i]->kind->inside(net->terms[i], net))
+            return PALP_ERR_INSIDE;
+    return PALP_OK;
 }
 
 /* Whether none of a tetrahedron's edges is cut. */
@@ -275,8 +291,9 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
     if (status)
         return status;
     status = solve(net, depth_m, net->next.time, &local);
+    if (!status)
+        status = network_finish(net);
     if (!status) {
-        network_finish(net);
         local.force_N = net->next.force;
         local.inverted = network_count_inverted(net, net->next.x, 0, 1);
         local.beyond =

@@ -53,10 +53,12 @@ typedef struct network_term_kind {
 
     /* Of terms that move on a path of their own, from where they were at now to where they were told to go:
      */
-    bool (*moved)(const network_term *term, const palp_network *net);   /* is there a way to go? */
+    double (*way)(const network_term *term, const palp_network *net);   /* as network_longest_way */
     void (*place)(network_term *term, palp_network *net, double share); /* to this share of it, at next.x */
     bool (*refresh)(network_term *term, palp_network *net); /* next.x has slid: points were taken anew */
     void (*follow)(network_term *term, palp_network *net);  /* the guess next.x goes along */
+    bool (*inside)(const network_term *term, const palp_network *net); /* after finish: is one in the body
+                                                                          that touches nothing of it? */
 
     /* Where a residual[3 n_nodes] is left at next.x: stiffness of the term's springs on each node, added to
      * weight[n_nodes], N/m; and, after finish, forces on what is outside become those that the tissue pushes

@@ -371,7 +371,7 @@ static void commit(palp_realtime *rt, const tick *t) {
     palp_network *net = rt->net;
     if (!rt->kept) /* it was the last one, other than was thought */
         realtime_evaluate(rt, rt->fresh, false);
-    network_finish(net);
+    (void)network_finish(net);
     if (realtime_touched(net))
         memcpy(rt->tissue, net->fint, 3 * net->n_nodes * sizeof *rt->tissue);
     realtime_weigh(rt);
