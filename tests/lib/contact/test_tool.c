@@ -232,12 +232,82 @@ START_TEST(one_sided) {
         }
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             ck_assert_double_eq_tol(palp_network_positions(net)[i], net->rest[i], 1e-9);
-        /* nor is it felt from the other side of the surface */
-        tool = sphere(0.012, 0.008, 0.012, 0.004, 0);
-        palp_tool_force f = step(net, &tool, INFINITY);
-        ck_assert(f.contacts == 0 && f.force_N[1] == 0.0);
         palp_network_free(net);
     }
+}
+END_TEST
+
+/* A tool that begins inside the body, where it touches nothing of the surface, is told; so is none that is
+ * beside or above it. */
+START_TEST(begins_inside) {
+    palp_material m = quartic(0);
+    palp_network *net = block(5, &m, 0.0, NULL);
+    palp_tool tool = sphere(0.012, 0.011, 0.013, 0.001, 0);
+    snapshot before = snapshot_take(net);
+    ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+    ck_assert_int_eq(palp_network_step(net, 0.0, INFINITY, NULL), PALP_ERR_INSIDE);
+    ck_assert(still_at(net, &before));
+    snapshot_free(&before);
+    for (int i = 0; i < 3; i++) {
+        tool = sphere(i == 0 ? -0.004 : 0.012, i == 1 ? -0.006 : 0.011, i == 2 ? 0.03 : 0.013, 0.001, 0);
+        palp_network_reset(net);
+        palp_tool_force f = step(net, &tool, INFINITY);
+        ck_assert(f.contacts == 0 && f.force_N[1] == 0.0);
+    }
+    palp_network_free(net);
+}
+END_TEST
+
+/* However far a tool goes in a step, it is felt as one that went there slowly. In one step it would have come
+ * to lie inside, or have turned the surface inside out. */
+START_TEST(far_in_one_step) {
+    static const double radius[] = {0.001, 0.003, 0.005}, depth = 0.004;
+    palp_material m = linear();
+    for (int k = 0; k < 3; k++) {
+        double force[2];
+        for (int slow = 0; slow < 2; slow++) {
+            palp_network *net = block(7, &m, 0.0, NULL);
+            palp_tool tool = sphere(0.0121, HEIGHT, 0.0121, radius[k], 0);
+            step(net, &tool, INFINITY);
+            for (int i = 1; i <= (slow ? 40 : 1); i++) {
+                tool.position_m[1] = HEIGHT + radius[k] - depth * i / (slow ? 40 : 1);
+                force[slow] = step(net, &tool, INFINITY).force_N[1];
+            }
+            palp_network_free(net);
+        }
+        ck_assert_double_gt(force[1], 0.5);
+        ck_assert_double_eq_tol(force[0], force[1], 1e-6 * force[1]);
+    }
+}
+END_TEST
+
+/* What a step says of tetrahedra turned inside out is what their volumes say. */
+START_TEST(inverted_are_counted) {
+    palp_material m = linear();
+    palp_network *net = block(7, &m, 0.0, NULL);
+    const palp_mesh *mesh = palp_network_mesh(net);
+    const int32_t *t = palp_mesh_tetrahedra(mesh);
+    size_t some = 0, none = 0;
+    for (int i = 0; i <= 16; i++) {
+        const palp_tool tool = sphere(0.012, HEIGHT - 5e-4 * i, 0.0121, 0.003, 0);
+        palp_step_info info;
+        size_t flat = 0;
+        ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+        ck_assert_int_eq(palp_network_step(net, 0.0, INFINITY, &info), PALP_OK);
+        for (size_t j = 0; j < palp_mesh_tetrahedron_count(mesh); j++) {
+            double edge[3][3], across[3];
+            for (int k = 0; k < 3; k++)
+                along3(palp_network_positions(net) + 3 * t[4 * j + 1 + (size_t)k], -1.0,
+                       palp_network_positions(net) + 3 * t[4 * j], edge[k]);
+            cross3(edge[0], edge[1], across);
+            flat += dot3(across, edge[2]) <= 0.0;
+        }
+        ck_assert_uint_eq(info.inverted, flat);
+        some += flat > 0;
+        none += flat == 0;
+    }
+    ck_assert(some > 0 && none > 0);
+    palp_network_free(net);
 }
 END_TEST
 
@@ -375,6 +445,9 @@ void tests(TCase *tc) {
     tcase_add_test(tc, tangent_of_slip);
     tcase_add_test(tc, assembled_tangent_is_that_of_the_products);
     tcase_add_test(tc, one_sided);
+    tcase_add_test(tc, begins_inside);
+    tcase_add_test(tc, far_in_one_step);
+    tcase_add_test(tc, inverted_are_counted);
     tcase_add_test(tc, smaller_than_the_mesh);
     tcase_add_test(tc, force_is_smooth_across_triangles);
     tcase_add_test(tc, on_tetrahedra);
