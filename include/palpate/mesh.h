@@ -46,8 +46,9 @@ PALP_API palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t 
  * "bottom" or "top", these are the nodes within 1e-6 of the height from the lowest and the highest y. Nodes
  * that no tetrahedron or hexahedron uses are left out, and a group of such nodes makes no set. The other
  * nodes are numbered in the order of their tags. ERR_INPUT with "file:line: ..." for: anything malformed; a
- * missing or repeated node; a node twice in an element; an element given twice or of zero length; more than
- * one connected part; volume elements of other types; a partitioned or binary file; another version. */
+ * missing or repeated node; a node twice in an element; an element given twice or of zero length; a flat
+ * tetrahedron; more than one connected part; volume elements of other types; a partitioned or binary file;
+ * another version. */
 PALP_API palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diagonals,
                                          palp_mesh **mesh, palp_error *error);
 

@@ -23,8 +23,8 @@ typedef struct palp_realtime_settings {
 PALP_API palp_realtime_settings palp_realtime_settings_default(void);
 
 /* Makes one for a network, which stays the caller's and must outlive it; all memory is allocated and a first
- * factor made here, of the network as it is. One at a time for each network. The caller owns *realtime.
- * ERR_ARGUMENT: a setting out of range; ERR_NO_MEMORY; ERR_SINGULAR: a mechanism; ERR_COLLAPSED. */
+ * factor made here, of the network as it is. The caller owns *realtime. ERR_ARGUMENT: a setting out of range,
+ * a network that has one already; ERR_NO_MEMORY; ERR_SINGULAR: a mechanism; ERR_COLLAPSED. */
 PALP_API palp_status palp_realtime_create(palp_network *network, const palp_realtime_settings *settings,
                                           palp_realtime **realtime);
 PALP_API void palp_realtime_free(palp_realtime *realtime); /* NULL is fine */
@@ -55,17 +55,21 @@ typedef struct palp_tick_info {
     double residual; /* |residual| / |element forces| */
     double force_N;  /* reaction conjugate to depth by virtual work: its error is of second order */
     double force_error_N; /* its estimated error and that of the forces on tools, rather too large than too
-                             small */
-    double seconds;       /* that the call took */
-    double beyond;        /* as of palp_step_info */
-    size_t inverted; /* likewise; a tick looks at a 16th of the tetrahedra, so each is as the last 16 ticks
-                        saw it */
+                             small: of a tick that has not converged it may be many times the force, which
+                             then says nothing */
+    bool error_known; /* false where most of that error is what friction remembers of earlier ticks: of this
+                         only a bound is known, which may be hundreds of times the error */
+    double seconds;   /* that the call took */
+    double beyond;    /* as of palp_step_info */
+    size_t inverted;  /* likewise; a tick looks at a 16th of the tetrahedra, so each is as the last 16 ticks
+                         saw it */
 } palp_tick_info;
 
 /* One step to depth_m after dt_s seconds, as palp_network_step, but ended by the budget: the best state
  * reached is committed, what is left of the residual is worked off by the next ticks. Allocates nothing. info
- * may be NULL. On failure the state stays as it was: ERR_ARGUMENT: a number out of range; ERR_COLLAPSED: no
- * sound place to start from. */
+ * may be NULL. A tool that goes far is followed in parts (palp_network_set_tools), each with a budget of
+ * corrections of its own. On failure the state stays as it was: ERR_ARGUMENT: a number out of range;
+ * ERR_COLLAPSED: no sound place to start from; ERR_INSIDE: as of palp_network_step. */
 PALP_API palp_status palp_realtime_step(palp_realtime *realtime, double depth_m, double dt_s,
                                         const palp_budget *budget, palp_tick_info *info);
 

@@ -108,8 +108,7 @@ static bool in_body(size_t n, const int32_t *surface, const double *x, const dou
             corner[k] = x + 3 * surface[3 * i + k];
         for (size_t k = 0; k < 3; k++) {
             const double *a = corner[k], *b = corner[(k + 1) % 3];
-            if ((a[0] > p[0]) != (b[0] > p[0]) &&
-                p[2] < a[2] + (p[0] - a[0]) * (b[2] - a[2]) / (b[0] - a[0]))
+            if ((a[0] > p[0]) != (b[0] > p[0]) && p[2] < a[2] + (p[0] - a[0]) * (b[2] - a[2]) / (b[0] - a[0]))
                 over = !over;
         }
         if (!over)

@@ -116,6 +116,16 @@ static palp_status refuse_repeats(const gmsh_file *r) {
     return status;
 }
 
+/* Its volume is rounding beside the cube of its longest edge from the first node. */
+static bool is_flat(const double *x, const int32_t node[4]) {
+    double longest = 0.0;
+    for (int i = 1; i < 4; i++) {
+        const double *a = x + 3 * (size_t)node[0], *b = x + 3 * (size_t)node[i];
+        longest = fmax(longest, hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]));
+    }
+    return fabs(mesh_volume6(x, node)) <= 1e-12 * longest * longest * longest;
+}
+
 static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
     const gmsh_cell *cells = r->cells.items;
     const gmsh_node *nodes = r->nodes.items;
@@ -130,6 +140,8 @@ static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
         for (int i = 0; i < cells[c].n; i++)
             node[i] = nodes[cells[c].node[i]].index;
         mesh_split_cell(mesh, cells[c].n, node);
+        if (cells[c].n == 4 && is_flat(mesh->x_m, node))
+            return gmsh_fail(r, cells[c].line, "a flat tetrahedron: its nodes lie in one plane");
     }
     return mesh_add_surface(mesh) ? gmsh_no_memory(r) : PALP_OK;
 }

@@ -99,6 +99,7 @@ struct palp_network {
     double past_depth[NETWORK_PAST], past_time[NETWORK_PAST];
     size_t n_past;
     bool no_approach;  /* the caller makes its own smaller steps */
+    bool stepped;      /* there is a palp_realtime of it */
     bool exact;        /* the factor is that of the solved step at hand */
     bool left_branch;  /* STABLE: the step met an indefinite tangent */
     bool trial;        /* next holds a solved step */

@@ -35,6 +35,7 @@ palp_realtime_settings palp_realtime_settings_default(void) {
 void palp_realtime_free(palp_realtime *rt) {
     if (!rt)
         return;
+    rt->net->stepped = false;
     refresh_thread_free(rt->thread);
     multigrid_free(rt->mg);
     arena_free(&rt->memory);
@@ -122,7 +123,7 @@ static void time_parts(palp_realtime *rt) {
 
 palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings *settings,
                                  palp_realtime **realtime) {
-    if (!net || !settings || !realtime)
+    if (!net || !settings || !realtime || net->stepped)
         return PALP_ERR_ARGUMENT;
     if (!(settings->refresh_share > 0.0 && settings->refresh_share < 1.0))
         return PALP_ERR_ARGUMENT;
@@ -130,6 +131,7 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
     if (!rt)
         return PALP_ERR_NO_MEMORY;
     rt->net = net;
+    net->stepped = true;
     rt->settings = *settings;
     rt->driven = net->driven;
     palp_status status = allocate(rt);
@@ -165,6 +167,7 @@ typedef struct tick {
     double place_error; /* of this tick's positions, in the norm of the tangent */
     double fresh_error; /* of the force, by them, N */
     bool near;          /* the estimated error is nearly as large as the budget allows */
+    size_t before;      /* corrections with tools on their way */
 } tick;
 
 /* Evaluates next.x, once terms have made it follow them. */
@@ -230,6 +233,7 @@ static void assess(palp_realtime *rt, tick *t) {
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = t->place_error * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
+    t->info.error_known = rt->anchored <= t->fresh_error + rt->remembered;
     double most = most_error(rt, t);
     t->near = t->info.force_error_N > NEAR * most;
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
@@ -340,6 +344,19 @@ static void correct(palp_realtime *rt, tick *t) {
     }
 }
 
+/* With tools at this share of their way: another budget of corrections. */
+static palp_status go_on(palp_realtime *rt, tick *t, double share) {
+    NETWORK_EACH_TERM(rt->net, place, rt->net, share);
+    if (!realtime_evaluate(rt, true, true))
+        return PALP_ERR_COLLAPSED;
+    assess(rt, t);
+    t->before += t->info.corrections;
+    t->info.corrections = 0;
+    rt->n_directions = 0;
+    correct(rt, t);
+    return PALP_OK;
+}
+
 /* Of an error in a tick's positions the arms remember what they relax in it: for the plate to the first
  * order, as they stand in another equilibrium than all springs. */
 static void remember(palp_realtime *rt, const tick *t) {
@@ -367,11 +384,13 @@ static void look_ahead(palp_realtime *rt, tick *t) {
 }
 
 /* Solved as far as the budget went: next becomes the committed state. */
-static void commit(palp_realtime *rt, const tick *t) {
+static palp_status commit(palp_realtime *rt, const tick *t) {
     palp_network *net = rt->net;
     if (!rt->kept) /* it was the last one, other than was thought */
         realtime_evaluate(rt, rt->fresh, false);
-    (void)network_finish(net);
+    palp_status status = network_finish(net);
+    if (status)
+        return status;
     if (realtime_touched(net))
         memcpy(rt->tissue, net->fint, 3 * net->n_nodes * sizeof *rt->tissue);
     realtime_weigh(rt);
@@ -382,6 +401,7 @@ static void commit(palp_realtime *rt, const tick *t) {
     net->trial = true;
     net->trial_checked = false;
     palp_network_commit(net);
+    return PALP_OK;
 }
 
 /* Of a part of the tetrahedra anew; of the others as the ticks before found them. */
@@ -432,6 +452,11 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
         status = network_begin(net, depth_m, dt_s);
     if (status)
         return status;
+    const double parts = fmax(1.0, ceil(network_longest_way(net)));
+    if (parts > 1.0) {
+        memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+        NETWORK_EACH_TERM(net, place, net, 1.0 / parts);
+    }
     if (!predict(rt, budget))
         return PALP_ERR_COLLAPSED;
     if (rt->driven)
@@ -442,9 +467,15 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     rt->indefinite = false;
     rt->n_directions = 0;
     correct(rt, &t);
+    for (double k = 2.0; k <= parts && !status; k += 1.0)
+        status = go_on(rt, &t, k / parts);
+    t.info.corrections += t.before;
     t.info.buckled = rt->indefinite;
     double rest = realtime_clock();
-    commit(rt, &t);
+    if (!status)
+        status = commit(rt, &t);
+    if (status)
+        return status;
     rt->contraction = t.first > 0.0 ? t.norm / t.first : 0.0;
     remember(rt, &t);
     look_ahead(rt, &t);

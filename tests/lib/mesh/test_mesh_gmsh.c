@@ -153,6 +153,7 @@ static const struct {
     {"bad_unknown_node", 22, "there is no node 6"},
     {"bad_duplicate_tag", 10, "node tag 2 is given a second time"},
     {"bad_same_place", 22, "nodes 4 and 5 are at the same place"},
+    {"bad_flat", 22, "a flat tetrahedron"},
     {"bad_repeated_node", 22, "an element has node 3 twice"},
     {"bad_repeated_element", 22, "an element with the nodes of the one of line 21"},
     {"bad_nothing_usable", 18, "there are no 4-node tetrahedra"},

@@ -388,6 +388,11 @@ START_TEST(refused) {
         ck_assert_int_eq(palp_realtime_create(net, &settings, &rt), PALP_ERR_ARGUMENT);
     }
     rt = realtime_on(net, false);
+    palp_realtime *second = NULL;
+    settings = palp_realtime_settings_default();
+    ck_assert_int_eq(palp_realtime_create(net, &settings, &second), PALP_ERR_ARGUMENT);
+    palp_realtime_free(rt);
+    rt = realtime_on(net, false); /* one after the other */
     follow(rt, 1, 5, 1);
     const double bad[] = {NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < 3; i++) {

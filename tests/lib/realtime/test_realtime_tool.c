@@ -152,7 +152,74 @@ START_TEST(restored_with_tool) {
 }
 END_TEST
 
+/* A tool that goes far within a tick is felt as one that went there slowly; a tick that does not come so far
+ * says so; and one that begins inside changes nothing. */
+START_TEST(far_in_one_tick) {
+    static const double depth = 0.004, radius = 0.003;
+    double force[2] = {0.0};
+    palp_tool_force felt;
+    for (int slow = 0; slow < 2; slow++) {
+        palp_realtime *rt = cube_on_a_table(7, 0);
+        for (int i = 0; i <= (slow ? 40 : 1); i++) {
+            palp_tick_info info;
+            const palp_tool tool = {
+                .position_m = {0.0121, HEIGHT + radius - depth * i / (slow ? 40 : 1), 0.0121},
+                .radius_m = radius};
+            ck_assert_int_eq(palp_network_set_tools(net_of(rt), 1, &tool), PALP_OK);
+            ck_assert_int_eq(palp_realtime_step(rt, 0.0, 1e-3, &ALL, &info), PALP_OK);
+            ck_assert(info.converged);
+            ck_assert_int_eq(palp_network_tool_force(net_of(rt), &felt), PALP_OK);
+            force[slow] = felt.force_N[1];
+        }
+        drop(rt);
+    }
+    ck_assert_double_gt(force[1], 0.5);
+    ck_assert_double_eq_tol(force[0], force[1], 1e-6 * force[1]);
+}
+END_TEST
+
+START_TEST(begins_inside) {
+    palp_realtime *rt = cube_on_a_table(5, 0);
+    const palp_tool tool = {.position_m = {0.012, 0.011, 0.013}, .radius_m = 0.001};
+    snapshot before = snapshot_take(net_of(rt));
+    ck_assert_int_eq(palp_network_set_tools(net_of(rt), 1, &tool), PALP_OK);
+    ck_assert_int_eq(palp_realtime_step(rt, 0.0, 1e-3, &ALL, NULL), PALP_ERR_INSIDE);
+    ck_assert(still_at(net_of(rt), &before));
+    snapshot_free(&before);
+    drop(rt);
+}
+END_TEST
+
+/* A stiff contact at 100 mm/s is more than two corrections follow: no such tick passes for solved, and the
+ * estimate is no less than the error. */
+START_TEST(too_few_corrections_are_told) {
+    palp_contact_settings stiff = palp_contact_settings_default();
+    const palp_budget two = {.corrections = 2};
+    stiff.stiffness = 200.0;
+    palp_realtime *rt = cube_touched(11, 2, &stiff), *exact = cube_touched(11, 2, &stiff);
+    for (int i = 1; i <= 20; i++) {
+        palp_realtime *both[2] = {rt, exact};
+        palp_tick_info info[2];
+        palp_tool_force felt[2];
+        const palp_tool tool = {.position_m = {0.0081, HEIGHT + 0.005 - 1e-4 * i, 0.0121}, .radius_m = 0.005};
+        for (int k = 0; k < 2; k++) {
+            ck_assert_int_eq(palp_network_set_tools(net_of(both[k]), 1, &tool), PALP_OK);
+            ck_assert_int_eq(palp_realtime_step(both[k], 0.0, 1e-3, k ? &ALL : &two, &info[k]), PALP_OK);
+            ck_assert_int_eq(palp_network_tool_force(net_of(both[k]), &felt[k]), PALP_OK);
+        }
+        const double off = fabs(felt[0].force_N[1] - felt[1].force_N[1]);
+        ck_assert(info[1].converged && !info[0].converged);
+        ck_assert_double_ge(info[0].force_error_N, off);
+    }
+    drop(rt);
+    drop(exact);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, far_in_one_tick);
+    tcase_add_test(tc, begins_inside);
+    tcase_add_test(tc, too_few_corrections_are_told);
     tcase_add_test(tc, restored_with_tool);
     tcase_add_test(tc, tool_is_felt);
     tcase_add_test(tc, rough_tool_within_a_tick);
