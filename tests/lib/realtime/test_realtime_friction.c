@@ -111,7 +111,29 @@ START_TEST(plateau) {
 }
 END_TEST
 
+/* What friction remembers is told by a bound that is far too large while it slips: the tick says so. Without
+ * friction it is not in the estimate. */
+START_TEST(bound_by_friction_is_told) {
+    for (int rough = 0; rough < 2; rough++) {
+        const rough_way way = {.friction = 0.3 * rough};
+        const palp_budget three = {.corrections = 3};
+        palp_realtime *rt = cube_on_a_table(7, 2);
+        size_t bounds = 0;
+        for (int i = 1; i <= 500; i++) {
+            palp_tool tool = trembling(&way, 1e-3 * i);
+            palp_tick_info info;
+            double force[3];
+            rough_tick(rt, &tool, &three, &info, force);
+            bounds += i > 350 && !info.error_known;
+        }
+        ck_assert_uint_eq(bounds, rough ? 150 : 0);
+        drop(rt);
+    }
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, bound_by_friction_is_told);
     tcase_add_test(tc, more_corrections_help);
     tcase_add_test(tc, smooth_surface);
     tcase_add_test(tc, random_ways);
