@@ -122,11 +122,12 @@ $(BUILD)/flags: FORCE
 $(BUILD)/obj/lib/%.o: EXTRA := -Ilib
 FIRMWARE_FLAGS := -Ifirmware/core -Ifirmware/board
 $(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS) $(HTTP_CFLAGS)
-# The page of palpate panel, as bytes.
-PAGE := $(foreach kind,html css js,tools/panel/page.$(kind))
-$(BUILD)/obj/tools/panel/panel_page.o: EXTRA += -I$(BUILD)/page
-$(BUILD)/obj/tools/panel/panel_page.o: $(BUILD)/page/page_bytes.h
-$(BUILD)/page/page_bytes.h: $(PAGE)
+# The pages of palpate panel and of results, as bytes.
+$(BUILD)/obj/tools/panel/panel_page.o: EXTRA += -I$(BUILD)/page/panel
+$(BUILD)/obj/tools/panel/panel_page.o: $(BUILD)/page/panel/page_bytes.h
+$(BUILD)/obj/tools/shared/page.o: EXTRA += -I$(BUILD)/page/page
+$(BUILD)/obj/tools/shared/page.o: $(BUILD)/page/page/page_bytes.h
+$(BUILD)/page/%/page_bytes.h: tools/%/page.html tools/%/page.css tools/%/page.js
 	@mkdir -p $(@D)
 	$(Q)for f in $^; do echo "static const unsigned char page_$${f##*.}[] = {"; \
 	    od -An -v -tu1 $$f | sed 's/ *\([0-9][0-9]*\)/\1,/g'; echo "};"; done >$@

@@ -49,17 +49,20 @@ say "Recording four presses; the indenter's firmware runs as $(sed -n 's/^runnin
 
 # ---- the models
 say "Fitting a lumped model: a spring beside arms (springs with dashpots) whose force fades with time."
-into characterize.txt "$palpate" characterize "$runs"/*.csv --degree 4 --out "$out/lumped.json" --plot "$out"
+into characterize.txt "$palpate" characterize "$runs"/*.csv --degree 4 --out "$out/lumped.json" --result "$out/characterize.json"
 say "Looking for what that model misses."
 into explain.txt "$palpate" explain --model "$out/lumped.json" "$runs"/*.csv --every 25 --jobs 2 \
-    --out "$out/lumped_explained.json" --plot "$out" --report "$out/explain.html"
+    --out "$out/lumped_explained.json" --result "$out/explain.json" --report "$out/explain.html"
 say "Finding the material of a network of 27 particles that behaves as that model."
 into calibrate.txt "$palpate" calibrate "$out/lumped_explained.json" --nodes 3 --law spline --strain-dependent \
-    --out "$out/network.json" --plot "$out"
+    --out "$out/network.json" --result "$out/calibrate.json"
 say "Pressing the network as the phantom was pressed, and writing the report."
-for depth in 2 4.5 7; do # the network has the effects too: it predicts what this indenter records
-    into simulate.txt "$palpate" simulate "$out/network.json" --like "$runs/ramp_hold_${depth}mm.csv" --out "$out/simulated_${depth}mm.csv"
+presses=
+for depth in 2 4.5 7; do # at once; the network has the effects too: it predicts what this indenter records
+    into simulate_$depth.txt "$palpate" simulate "$out/network.json" --like "$runs/ramp_hold_${depth}mm.csv" --out "$out/simulated_${depth}mm.csv" &
+    presses="$presses $!"
 done
+for press in $presses; do wait "$press"; done
 into report.txt "$palpate" report "$runs" "$out" --title "Silicone phantom of Sedef (2008), pressed by the virtual indenter" \
     --out "$out/report.html"
 

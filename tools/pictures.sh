@@ -22,10 +22,14 @@ for figure in pipeline layers; do
 done
 
 "$palpate" calibrate data/sedef2008/lumped_n2.json --nodes 3 --strain-dependent --law spline --out "$work/network.json" \
-    --plot "$work" >/dev/null
-cp "$work/static_fit.svg" "$out/static.svg"
-cp "$work/relaxation_log.svg" "$out/relaxation.svg"
-PALPATE=$palpate python3 data/sedef2008/compare.py 4.2 4.3 5.7 --plot "$out" >/dev/null # and 5.8, which takes many minutes
+    --report "$work/calibrate.html" >/dev/null
+python3 tools/picture.py "$work/calibrate.html" "$out/static.svg" static_fit
+python3 tools/picture.py "$work/calibrate.html" "$out/relaxation.svg" relaxation_log
+PALPATE=$palpate python3 data/sedef2008/compare.py 4.2 4.3 5.7 --plot "$work" >/dev/null # and 5.8, which takes many minutes
+for table in "$work"/table_*.json; do
+    name=${table##*/}
+    python3 tools/picture.py "$table" "$out/${name%.json}.svg"
+done
 
 # A palette of 256 colours makes a picture of the window four to twenty times smaller.
 compress() { pngquant --force --strip --output "$2" 256 "$1"; }

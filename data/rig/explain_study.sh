@@ -37,6 +37,6 @@ END
     fi
     "$palpate" characterize "$out/$name"/*.csv --arms 2 --degree 4 --out "$out/$name.plain.json" >"$out/$name.txt" 2>&1
     echo "$effect $parameters"
-    "$palpate" explain --model "$out/$name.plain.json" "$out/$name"/*.csv --jobs 2 --plot "$out/$name.found" \
+    "$palpate" explain --model "$out/$name.plain.json" "$out/$name"/*.csv --jobs 2 --result "$out/$name.found.json" --report "$out/$name.found.html" \
         --next "$out/$name.next.json" 2>&1 | sed 's/^/  /'
 done

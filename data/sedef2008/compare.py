@@ -6,8 +6,8 @@
 TABLE is 4.1 to 4.5, 5.1 to 5.8, 5.7-peaks or 5.8-peaks (the printed coefficients' own peak forces beside the lumped model's);
 all of them without one. A row tells the column, ours, the thesis' and the deviation:
 in percent of the thesis' value, of errors that are percentages themselves in percentage points. After each table comes
-the largest deviation of every column, in lines that begin with "worst". --plot draws the tables over depths as DIR/table_4_2.svg
-and so on, by gnuplot: Figures 4.17, 4.19, 5.22 to 5.24 and 5.26 to 5.29.
+the largest deviation of every column, in lines that begin with "worst". --plot writes figures of the tables over depths, DIR/table_4_2.json
+and so on, which tools/picture.py draws: Figures 4.17, 4.19, 5.22 to 5.24 and 5.26 to 5.29.
 
 The thesis' recordings are not printed in it. Table 4.1 is fitted to the force of Eq. 4.2 (the table's fifth degree, whose
 residual is taken for the noise that the others have too) as MATLAB's polyfit does it: with a constant, which is then dropped. Tables 4.2 to 4.5 to the curves of the rows of Table 4.3, both without noise.
@@ -212,11 +212,10 @@ TABLES = {
 
 # ---- figures ----
 
-def panel(to, title, series):
-    """series: (name, how gnuplot draws it, points)."""
-    to.write("set title '%s'\nset yrange [*:*]\nplot %s\n" % (title, ", ".join("'-' using 1:2 with %s title '%s'" % (how, name) for name, how, _ in series)))
-    for _, _, points in series:
-        to.write("".join("%.8g %.8g\n" % p for p in points) + "e\n")
+def figure(title, x_label, series):
+    """As doc/schema/figure.json has it; series: (name, style, colour, points)."""
+    return {"name": "table", "title": title, "panels": [{"x_label": x_label, "y_label": title, "x_log": False, "y_log": False, "series": [
+        {"title": name, "style": style, "colour": colour, "x": [x for x, _ in points], "y": [y for _, y in points]} for name, style, colour, points in series]}]}
 
 
 def law_of(row):
@@ -226,32 +225,18 @@ def law_of(row):
 def draw(table, found, folder):
     """found: (ours, row) at each depth."""
     names = [k for k in found[0][0] if k not in LAW and not k.endswith("_percent")]
-    with_law = LAW[0] in found[0][0]
-    columns = len(names) + 1 + with_law
+    figures = []
+    for title, value in [*((name.replace("_", " (").replace("Ns", "N s") + ")", lambda row, k=name: row[k]) for name in names),
+                         ("b1 / K1 (s)", lambda row: row["b1_Ns"] / row["K1_N"])]:
+        figures.append(figure(title, "depth (mm)", [
+            ("palpate", "line", 0, [(row["depth_mm"], value(ours)) for ours, row in found]),
+            ("Sedef 2008", "points", 1, [(row["depth_mm"], value(row)) for _, row in found])]))
+    if LAW[0] in found[0][0]:
+        figures.append(figure("K of an element (N)", "strain", [curve for k, (ours, row) in enumerate((found[0], found[-1])) for curve in (
+            ("palpate, %g mm" % row["depth_mm"], "line", k, law_of(ours)), ("Sedef 2008", "points", k, law_of(row)[::2]))]))
     os.makedirs(folder, exist_ok=True)
-    with open(os.path.join(folder, "table_%s.svg" % table.replace(".", "_")), "wb") as svg:
-        gnuplot = subprocess.Popen(["gnuplot"], stdin=subprocess.PIPE, stdout=svg, text=True)
-        to = gnuplot.stdin
-        to.write("set terminal svg size %d,300 dynamic font 'DejaVu Sans,Arial,sans-serif' fontscale 0.8 background rgb 'white'\n"
-                 "set multiplot layout 1,%d\nset grid lc rgb '#dddddd' lt 1\nset key top left Left reverse samplen 1\nset xlabel 'depth (mm)'\n" %
-                 (300 * columns, columns))
-        for name in names:
-            quantity, _, unit = name.partition("_")
-            panel(to, "%s (%s)" % (quantity, unit.replace("Ns", "N s")), [
-                ("palpate", "lines lw 2 lc rgb '#0072b2'", [(row["depth_mm"], ours[name]) for ours, row in found]),
-                ("Sedef 2008", "points pt 7 ps 0.6 lc rgb '#d55e00'", [(row["depth_mm"], row[name]) for _, row in found])])
-        panel(to, "b1 / K1 (s)", [
-            ("palpate", "lines lw 2 lc rgb '#0072b2'", [(row["depth_mm"], ours["b1_Ns"] / ours["K1_N"]) for ours, row in found]),
-            ("Sedef 2008", "points pt 7 ps 0.6 lc rgb '#d55e00'", [(row["depth_mm"], row["b1_Ns"] / row["K1_N"]) for _, row in found])])
-        if with_law:
-            to.write("set xlabel 'strain'\n")
-            panel(to, "K of an element (N), least and greatest depth", [
-                curve for ours, row in (found[0], found[-1]) for curve in (
-                    ("palpate, %g mm" % row["depth_mm"], "lines lw 2", law_of(ours)),
-                    ("Sedef 2008, %g mm" % row["depth_mm"], "points pt 7 ps 0.4", law_of(row)))])
-        to.close()
-        if gnuplot.wait():
-            sys.exit("gnuplot failed")
+    with open(os.path.join(folder, "table_%s.json" % table.replace(".", "_")), "w") as to:
+        json.dump(figures, to)
 
 
 def compare(table, o):

@@ -202,17 +202,16 @@ grep -Eq 'hole.csv: .* samples missing \([0-9]+ %\)' err || fail "no word of the
 grep -q "ended early" err && fail "it did not end early: $(cat err)"
 ls | grep -q tmp && fail "a temporary file was left behind"
 
-command -v gnuplot >/dev/null || done_testing
-expect 0 characterize static.csv hold?.csv --plot figures
-for name in recordings_linear recordings_log recordings_first recordings_static fit_linear fit_log fit_first fit_depth fit_static \
-    residuals static_polynomials stiffness_law arms_score; do
-    grep -q 'width="900" height="560"' figures/$name.svg 2>/dev/null || fail "no figure $name.svg of 900 x 560"
-    grep -q '</svg>' figures/$name.svg 2>/dev/null || fail "$name.svg is cut short"
+expect 0 characterize static.csv hold?.csv --result result.json --report page.html --json
+for name in recordings_linear recordings_log recordings_first recordings_static fit_linear fit_log fit_first fit_depth fit_static residuals; do
+    figures result.json | grep -qx $name || fail "no figure $name: $(figures result.json | tr '\n' ' ')"
 done
+[ "$(sed '/^  "figures"/,$d' result.json | sed '$s/,$//'; echo '}')" = "$(cat out)" ] || fail "--result is not what --json prints, with figures"
+in_page page.html result.json out
+[ "$(wc -c <page.html)" -lt 1500000 ] || fail "a page of $(wc -c <page.html) bytes: curves are not thinned"
 # Runs that their depths do not tell apart have their names in the key, others their depths.
-grep -q "'5 mm'" figures/fit_log.gp || fail "the key does not name the depths"
+grep -q '"name":"fit_log".*"title":"5 mm"' result.json || fail "the key does not name the depths"
 sed '/^[0-9]/s/$/ /' hold5.csv >again5.csv
-expect 0 characterize hold5.csv again5.csv --arms 1 --degree 2 --plot named
-grep -q "'again5'" named/fit_log.gp && grep -q "'hold5'" named/fit_log.gp || fail "the key does not name runs of one depth: $(grep -o "title '[^']*'" named/fit_log.gp | tr '\n' ' ')"
-grep -q '"characterize": 1' figures/characterize.json || fail "no characterize.json beside the figures"
+expect 0 characterize hold5.csv again5.csv --arms 1 --degree 2 --result named.json
+grep -q '"name":"fit_log".*"title":"hold5"' named.json && grep -q '"name":"fit_log".*"title":"again5"' named.json || fail "the key does not name runs of one depth"
 done_testing

@@ -33,7 +33,7 @@ expect 0 simulate $L --protocol static --depth-mm 3 --relaxed --out relaxed.csv
 expect 0 simulate $L --protocol static --depth-mm 7 --rate-mm-s 0.5 --sample-Hz 5 --noise-N 0.002 --seed 2 --out run_static_2.csv
 expect 0 simulate $L --like run_1.csv --out like.csv
 expect 0 simulate $N --protocol static --depth-mm 9.5 --branch stable --json --out buckled.csv && mv out sim_network.json
-expect 0 characterize run_*.csv --arms auto --degree auto --out lumped.json --plot fit --json && mv out characterize.json
+expect 0 characterize run_*.csv --arms auto --degree auto --out lumped.json --result fit_characterize.json --json && mv out characterize.json
 expect 0 characterize run_1.csv --arms 1 --degree 2 --json && mv out characterize_one.json
 expect 0 simulate $L --protocol ramp_hold --depth-mm 3 --hold-s 60 --sample-Hz 20 --air-s 1 --noise-N 0.004 --out fractional.csv
 expect 0 characterize fractional.csv --arms fractional --degree 2 --out fractional.json
@@ -56,7 +56,10 @@ expect 0 characterize run_2.csv softer_*.csv --specimens file --arms 1 --degree 
 expect 0 simulate lumped.json --protocol ramp_hold --depth-mm 4 --hold-s 2 --band --json && mv out sim_band.json
 expect 0 simulate lumped.json --protocol static --depth-mm 12 --json --out deep.csv && mv out sim_deep.json
 expect 0 explain --model lumped.json run_?.csv --candidates sensor_bias,sensor_gain,sensor_lag,toe_region --out explained.json \
-    --result explain.json --next next.json --plot fit --json && mv out explain_out.json
+    --result explain.json --next next.json --json && mv out explain_out.json
+for file in explain.json fit_characterize.json; do # a figure of each
+    sed -n '/^  "figures"/{n;s/,$//;p;}' $file >figure_$file
+done
 # A power of time, which these holds do not tell from the draining of pores: a next experiment is named.
 plain='"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 24}, "stiffness": {"kind": "polynomial", "coefficients_N": [8.2, 3.1]}'
 echo "{$plain, \"arms\": [{\"stiffness_N\": 2.4, \"viscosity_Ns\": 12}]}" >guess.json
@@ -72,7 +75,7 @@ expect 0 explain --model guess.json power_?.csv --candidates power_law_relaxatio
 [ -s next.json ] || fail "no next experiment: $(grep verdict explain_power.json)"
 expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --degree 2 --steps 2000 --out static.json --json && mv out cal_static.json
 expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --law spline --knots 4 --steps 2000 --out spline.json --json && mv out cal_spline.json
-expect 0 calibrate $L --nodes 3 --stage all --depth-mm 4 --degree 2 --steps 500 --hold-s 20 --out all.json --json --plot fit && mv out cal_all.json
+expect 0 calibrate $L --nodes 3 --stage all --depth-mm 4 --degree 2 --steps 500 --hold-s 20 --out all.json --json --result fit_calibrate.json && mv out cal_all.json
 expect 0 reduce $N --runs run_1.csv,run_2.csv --hold-out 0.5 --modes 3 --samples 20 --out reduced.json --json && mv out reduce.json
 expect 0 calibrate $L --stage relaxation --start spline.json --method three_phase --depth-mm 2 --hold-s 20 --dt-ms 20 --json
 mv out cal_phases.json
@@ -87,9 +90,9 @@ expect 0 reduce $N ball.csv ball_2.csv --hold-out 0 --modes 3 --samples 20 --out
 expect 0 calibrate $L --stage relaxation --start lattice.json --depth-mm 2 --hold-s 20 --json && mv out cal_start.json
 set -- experiment=run_1.csv experiment=run_static.csv experiment=creep.csv experiment=cyclic.csv experiment=relaxed.csv experiment=like.csv \
     simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_specimens.json model=specimens.json model=fractional.json characterize=characterize_tip.json characterize=characterize_tips.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
-    model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=characterize_sine.json characterize=fit/characterize.json \
-    explain=explain.json explain=explain_out.json explain=fit/explain.json explain=explain_power.json calibrate=cal_static.json \
-    calibrate=cal_spline.json calibrate=cal_all.json calibrate=fit/calibrate.json reduced=reduced.json reduce=reduce.json
+    model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=characterize_sine.json characterize=fit_characterize.json \
+    figure=figure_explain.json figure=figure_fit_characterize.json explain=explain.json explain=explain_out.json explain=explain_power.json calibrate=cal_static.json \
+    calibrate=cal_spline.json calibrate=cal_all.json calibrate=fit_calibrate.json reduced=reduced.json reduce=reduce.json
 set -- "$@" protocol=next.json calibrate=cal_start.json reduced=ball.json experiment=ball.csv
 
 # ---- files with every key, which the commands read ----

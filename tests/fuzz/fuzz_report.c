@@ -7,10 +7,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[256];
     static report r;
     static report_file file[REPORT_FILES_MAX];
-    r = (report){.title = "fuzz", .file = file};
-    if (report_add(&r, fuzz_file(path, ".json", data, size), false) == 0) {
-        report_page(&r, "/dev/null");
-    }
+    r = (report){.file = file};
+    if (report_add(&r, fuzz_file(path, ".json", data, size), false) == 0)
+        json_decref(report_json(&r, "fuzz"));
     for (size_t i = 0; i < r.n; i++) {
         json_decref(file[i].json);
         free(file[i].path);

@@ -23,7 +23,7 @@ static void positive(json_t *to, const char *key, double value) {
 
 static void string(json_t *to, const char *key, const char *value) {
     if (value)
-        json_object_set_new(to, key, json_plain(value));
+        json_object_set_new(to, key, json_text(value));
 }
 
 static void list(json_t *to, const char *key, const double value[PALP_WIRE_CHANNELS]) {
@@ -61,7 +61,7 @@ static json_t *device_is(const session *s) {
     snprintf(version, sizeof version, "%u.%u.%u", (unsigned)info->major, (unsigned)info->minor,
              (unsigned)info->patch);
     memcpy(board, info->board, PALP_WIRE_NAME);
-    return json_pack("{so so ss sI sb}", "port", json_plain(s->options->port), "board", json_plain(board),
+    return json_pack("{so so ss sI sb}", "port", json_text(s->options->port), "board", json_text(board),
                      "firmware", version, "serial", (json_int_t)info->serial, "simulated", info->simulated);
 }
 

@@ -5,6 +5,7 @@
 #include "shared/cli.h"
 #include "shared/record.h"
 
+#include <jansson.h>
 #include <palpate/palpate.h>
 
 enum { RUNS_MAX = 64, PRESSES_MAX = 64 };
@@ -14,7 +15,7 @@ typedef enum calibrate_method { METHOD_NLOPT, METHOD_FIXED_POINT, METHOD_THREE_P
 typedef enum calibrate_law { LAW_POLYNOMIAL, LAW_SPLINE } calibrate_law;
 
 typedef struct calibrate_options {
-    const char *lumped, *mesh, *start, *out, *plot;
+    const char *lumped, *mesh, *start, *out, *result, *report;
     const char *words[1 + RUNS_MAX]; /* LUMPED.json, RUN.csv ... */
     size_t n_words;
     cli_list nodes, size_mm, depth_mm;
@@ -66,7 +67,7 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s);
 int calibrate_compare(const calibrate_options *o, calibrate_state *s); /* fills press[].network */
 int calibrate_known(const calibrate_options *o, calibrate_state *s); /* the model's covariance and between */
 int calibrate_report(const calibrate_options *o, const calibrate_state *s);
-int calibrate_plot(const calibrate_options *o, const calibrate_state *s);
+json_t *calibrate_figures(const calibrate_state *s);
 
 /* First guesses. */
 palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_max, palp_law *guess);

@@ -1,82 +1,14 @@
-/* calibrate_plot.c: the figures of palpate calibrate. */
+/* calibrate_plot.c: the figures of palpate calibrate; the page draws the convergence from the result. */
 #include "calibrate.h"
 #include "shared/plot.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-static const char NAME[] = "calibrate";
 
 enum { CURVE_POINTS = 400, MARKS = 60, LAW_POINTS = 200, SHOWN_MAX = 7 };
 
-static double largest(size_t n, const double *value) {
-    double most = 0;
-    for (size_t i = 0; i < n; i++)
-        most = fmax(most, fabs(value[i]));
-    return most;
-}
-
-/* ---- convergence ---- */
-
-static void plot_residual(plot_book *book, const palp_calibration *c, bool relaxation, const char *name,
-                          const char *title) {
-    double *work = malloc(2 * (c->n_iterations + 1) * sizeof *work);
-    if (!work) {
-        book->result = PLOT_FAILED;
-        return;
-    }
-    double *x = work, *y = work + c->n_iterations + 1;
-    for (size_t i = 0; i < c->n_iterations; i++) {
-        x[i] = (double)(i + 1);
-        double value = relaxation ? 100 * c->iterations[i].relative_rms : c->iterations[i].residual_N;
-        y[i] = value > 0 ? value : NAN;
-    }
-    const plot_series series = {NULL, PLOT_LINE_POINTS, 0, c->n_iterations, x, y};
-    const plot_figure figure = {
-        .title = title,
-        .n_panels = 1,
-        .panel = {{.x_label = "evaluation of the curve",
-                   .y_label = relaxation ? "rms error (% of the peak)" : "residual, 2-norm (N)",
-                   .y_scale = PLOT_LOG,
-                   .n_series = 1,
-                   .series = &series}}};
-    if (largest(c->n_iterations, y) > 0)
-        plot_draw(book, name, &figure);
-    free(work);
-}
-
-static void plot_phases(plot_book *book, const palp_calibration *c) {
-    size_t n = c->n_iterations + 1;
-    double *work = malloc(4 * n * sizeof *work);
-    if (!work) {
-        book->result = PLOT_FAILED;
-        return;
-    }
-    for (size_t i = 0; i < c->n_iterations; i++) {
-        const palp_calibrate_iteration *it = &c->iterations[i];
-        const double error[3] = {it->peak_error_percent, it->steady_time_error_percent,
-                                 it->steady_force_error_percent};
-        work[i] = (double)(i + 1);
-        for (size_t k = 0; k < 3; k++)
-            work[(k + 1) * n + i] = error[k] > 0 ? error[k] : NAN;
-    }
-    const plot_series series[] = {{"peak force", PLOT_LINE_POINTS, 0, c->n_iterations, work, work + n},
-                                  {"steady time", PLOT_LINE_POINTS, 1, c->n_iterations, work, work + 2 * n},
-                                  {"steady force", PLOT_LINE_POINTS, 2, c->n_iterations, work, work + 3 * n}};
-    const plot_figure figure = {.title = "Convergence of the three phases",
-                                .n_panels = 1,
-                                .panel = {{.x_label = "iteration",
-                                           .y_label = "error (%)",
-                                           .y_scale = PLOT_LOG,
-                                           .n_series = 3,
-                                           .series = series}}};
-    plot_draw(book, "relaxation_convergence", &figure);
-    free(work);
-}
-
 /* ---- static ---- */
 
-static void plot_fit(plot_book *book, const calibrate_state *s) {
+static void plot_fit(json_t *figures, const calibrate_state *s) {
     const palp_calibration *c = &s->static_result;
     double depth[CURVE_POINTS], force[CURVE_POINTS], miss[CURVE_POINTS], mark[MARKS], wanted[MARKS];
     if (c->n_samples == 0)
@@ -103,10 +35,10 @@ static void plot_fit(plot_book *book, const calibrate_state *s) {
                    .y_label = "network - wanted (mN)",
                    .n_series = 1,
                    .series = &residual}}};
-    plot_draw(book, "static_fit", &figure);
+    plot_draw(figures, "static_fit", &figure);
 }
 
-static void plot_law(plot_book *book, const calibrate_state *s) {
+static void plot_law(json_t *figures, const calibrate_state *s) {
     double strain[LAW_POINTS], lumped[LAW_POINTS], element[LAW_POINTS];
     double strain_max = s->n_static ? s->depth_m[s->n_static - 1] / s->height_m : 0;
     for (size_t i = 0; i < s->n_presses; i++)
@@ -122,10 +54,10 @@ static void plot_law(plot_book *book, const calibrate_state *s) {
                                 .n_panels = 1,
                                 .panel = {{.x_label = "strain e",
                                            .y_label = "stiffness K (N)",
-                                           .y_scale = PLOT_LOG,
+                                           .y_log = true,
                                            .n_series = 2,
                                            .series = series}}};
-    plot_draw(book, "stiffness", &figure);
+    plot_draw(figures, "stiffness", &figure);
 }
 
 /* ---- relaxation ---- */
@@ -144,7 +76,7 @@ static size_t marks(const record *run, const double *wanted, double *time_s, dou
     return n;
 }
 
-static void plot_relaxation(plot_book *book, const calibrate_state *s, bool log_time) {
+static void plot_relaxation(json_t *figures, const calibrate_state *s, bool log_time) {
     double mark_s[SHOWN_MAX][MARKS], mark_N[SHOWN_MAX][MARKS];
     char title[SHOWN_MAX][32];
     plot_series series[2 * SHOWN_MAX];
@@ -167,28 +99,20 @@ static void plot_relaxation(plot_book *book, const calibrate_state *s, bool log_
                                 .n_panels = 1,
                                 .panel = {{.x_label = "time (s)",
                                            .y_label = "force (N)",
-                                           .x_scale = log_time ? PLOT_LOG : PLOT_LINEAR,
+                                           .x_log = log_time,
                                            .n_series = 2 * shown,
                                            .series = series}}};
-    plot_draw(book, log_time ? "relaxation_log" : "relaxation_linear", &figure);
+    plot_draw(figures, log_time ? "relaxation_log" : "relaxation_linear", &figure);
 }
 
-int calibrate_plot(const calibrate_options *o, const calibrate_state *s) {
-    plot_book book = {.command = NAME, .folder = o->plot};
-    plot_law(&book, s);
-    if (s->does_static) {
-        plot_residual(&book, &s->static_result, false, "static_convergence",
-                      "Convergence of the static stage");
-        plot_fit(&book, s);
-    }
+json_t *calibrate_figures(const calibrate_state *s) {
+    json_t *figures = json_array();
+    plot_law(figures, s);
+    if (s->does_static)
+        plot_fit(figures, s);
     if (s->does_relaxation) {
-        if (s->relaxation_method == METHOD_THREE_PHASE)
-            plot_phases(&book, &s->relaxation_result);
-        else
-            plot_residual(&book, &s->relaxation_result, true, "relaxation_convergence",
-                          "Convergence of the relaxation stage");
-        plot_relaxation(&book, s, false);
-        plot_relaxation(&book, s, true);
+        plot_relaxation(figures, s, false);
+        plot_relaxation(figures, s, true);
     }
-    return plot_close(&book);
+    return figures;
 }

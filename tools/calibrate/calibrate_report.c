@@ -2,7 +2,7 @@
 #include "calibrate.h"
 #include "shared/json_out.h"
 #include "shared/law_text.h"
-#include "shared/plot.h"
+#include "shared/page.h"
 
 #include <math.h>
 
@@ -98,9 +98,9 @@ static json_t *nodes_json(const calibrate_state *s) {
 
 static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) {
     static const char *const stages[] = {"static", "relaxation", "all"};
-    json_t *all = json_object(), *command = json_string(o->command);
+    json_t *all = json_object();
     json_object_set_new(all, "palpate", json_pack("{s:i, s:s}", "calibrate", 1, "version", palp_version()));
-    json_object_set_new(all, "command", command ? command : json_null());
+    json_object_set_new(all, "command", json_text(o->command));
     json_object_set_new(all, "stage", json_string(stages[o->stage]));
     json_object_set_new(all, "formulation",
                         json_string(o->formulation == PALP_HISTORY ? "history" : "sedef2008"));
@@ -185,13 +185,11 @@ static void print_relaxation(const calibrate_state *s) {
 }
 
 int calibrate_report(const calibrate_options *o, const calibrate_state *s) {
-    if (o->plot) {
-        int code = json_save_in(NAME, whole_json(o, s), o->plot, "calibrate.json");
-        if (code)
-            return code;
-    }
-    if (o->json)
-        return json_print(NAME, whole_json(o, s));
+    bool drawn = o->result || o->report;
+    int code = page_result(NAME, whole_json(o, s), drawn ? calibrate_figures(s) : NULL, o->json, o->result,
+                           o->report);
+    if (code || o->json)
+        return code;
     if (s->does_static)
         print_static(s);
     if (s->does_relaxation)

@@ -95,10 +95,10 @@ static size_t output_options(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
         cli_heading("Output"),
         cli_out("out", "NETWORK.json", &o->out, "the calibrated network"),
-        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp calibrate.json",
-                       "SVG figures by gnuplot: convergence, fit, stiffness law, relaxation;\n"
-                       "and the result as calibrate.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
+        cli_out("result", "RESULT.json", &o->result,
+                "the same into a file, with its figures, for palpate report"),
+        cli_out("report", "PAGE.html", &o->report, "tables and figures on one page"),
     };
     memcpy(to, options, sizeof options);
     return sizeof options / sizeof options[0];
@@ -217,8 +217,6 @@ static int calibrate(const calibrate_options *o, calibrate_state *s) {
         code = calibrate_known(o, s);
     code = code ? code : write_model(o, s);
     code = code ? code : calibrate_report(o, s);
-    if (code == CLI_OK && o->plot)
-        code = calibrate_plot(o, s);
     return code ? code : verdict(s);
 }
 

@@ -34,7 +34,7 @@ typedef enum characterize_specimens_by {
 typedef struct characterize_options {
     const char *words[CHARACTERIZE_RUNS_MAX]; /* RUN.csv ... */
     size_t n_words;
-    const char *arms_text, *degree_text, *out, *plot, *spectrum;
+    const char *arms_text, *degree_text, *out, *result, *report, *spectrum;
     int contact;                 /* 0 = auto, known, common, free */
     int law_choice, law, method; /* 0 = auto, else 1 + palp_law_kind; palp_law_kind; characterize_method */
     size_t arms, degree, knots, per_decade;
@@ -129,9 +129,7 @@ void characterize_warn(characterize_state *s, const char *format, ...);
 const palp_lumped_fit *characterize_fit_of(const characterize_state *s);
 
 double characterize_strain_max(const characterize_state *s);
-const char *characterize_kind(const palp_recording *r); /* "ramp" (no dwell), "ramp_hold", "creep", "other" */
-const char *characterize_rule(const palp_recording *r); /* "given", "free air", "nominal" */
-double characterize_total(const palp_lumped_fit *fit);  /* sum of |residual|, N */
+double characterize_total(const palp_lumped_fit *fit); /* sum of |residual|, N */
 double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const palp_recording *r);
 
 /* Each returns an exit code, after one line on stderr if it is not 0. */
@@ -163,7 +161,6 @@ palp_status characterize_fit_specimens(characterize_state *s, const palp_charact
 const char *characterize_specimen_name(const characterize_state *s, size_t k);
 void characterize_print_specimens(const characterize_state *s);
 json_t *characterize_json_specimens(const characterize_state *s);
-void characterize_plot_specimens(plot_book *book, const characterize_state *s);
 
 int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
 size_t characterize_spectrum_points(const characterize_state *s); /* of all runs */
@@ -178,9 +175,8 @@ void characterize_print_spectrum(const characterize_state *s);
 int characterize_write_spectrum(const char *path,
                                 const characterize_state *s); /* CSV: measured points, then the model's */
 json_t *characterize_spectrum_json(const characterize_state *s);
-void characterize_plot_spectrum(plot_book *book, const characterize_state *s);
 int characterize_print(const characterize_options *o, const characterize_state *s);
-int characterize_json(const characterize_options *o, const characterize_state *s);
-int characterize_plot(const characterize_options *o, const characterize_state *s);
+json_t *characterize_json(const characterize_options *o, const characterize_state *s);
+json_t *characterize_figures(const characterize_state *s); /* NULL after one line on stderr */
 
 #endif

@@ -1,15 +1,12 @@
 /* characterize_json.c: what palpate characterize found, as JSON. */
 #include "characterize.h"
-#include "shared/json_out.h"
-
-static const char NAME[] = "characterize";
 
 static void set(json_t *to, const char *key, double value) {
     json_object_set_new(to, key, json_number_or_null(value));
 }
 
 static void set_text(json_t *to, const char *key, const char *text) {
-    json_object_set_new(to, key, json_plain(text));
+    json_object_set_new(to, key, json_text(text));
 }
 
 static json_t *law_json(const palp_law *law) {
@@ -88,31 +85,9 @@ static json_t *laws_json(const characterize_state *s) {
 
 /* ---- runs ---- */
 
-static json_t *run_json(const characterize_state *s, size_t i) {
+static json_t *fitted_run_json(const characterize_state *s, size_t i) {
     const palp_recording *r = &s->run[i];
-    json_t *to = json_object();
-    set_text(to, "file", r->name);
-    set_text(to, "kind", characterize_kind(r));
-    json_object_set_new(to, "samples", json_integer((json_int_t)r->n));
-    set(to, "duration_s", r->time_s[r->n - 1] - r->time_s[0]);
-    set(to, "height_mm", 1e3 * r->height_m);
-    set(to, "deepest_mm", 1e3 * r->deepest_m);
-    set(to, "ramp_s", r->ramp_end_s - r->ramp_start_s);
-    set_text(to, "contact_rule", characterize_rule(r));
-    set(to, "contact_mm", 1e3 * r->contact_m);
-    set(to, "contact_sd_mm", 1e3 * r->contact_sd_m);
-    set(to, "zero_N", r->zero_N);
-    set(to, "zero_sd_N", r->zero_sd_N);
-    set(to, "noise_N", r->noise_N);
-    set(to, "correlation", r->correlation);
-    set(to, "hum_Hz", r->hum_Hz);
-    set(to, "hum_N", r->hum_N);
-    json_object_set_new(to, "spikes", json_integer((json_int_t)r->n_spikes));
-    json_object_set_new(to, "clipped", json_integer((json_int_t)r->n_clipped));
-    json_object_set_new(to, "gaps", json_integer((json_int_t)r->n_gaps));
-    set(to, "longest_gap_s", r->longest_gap_s);
-    json_object_set_new(to, "fault", json_boolean(r->faulted));
-    json_object_set_new(to, "uneven", json_boolean(r->uneven));
+    json_t *to = run_json(r);
     set(to, "peak_N", s->peak_N[i]);
     set(to, "largest_residual_percent", 100 * s->largest_N[i] / s->peak_N[i]);
     if (s->has_final) {
@@ -132,7 +107,7 @@ static json_t *static_json(const characterize_state *s, size_t i) {
                                                   "coefficients_N", json_numbers(law->n, law->coefficients),
                                                   "norm_N", s->norm_N[i][d]));
     }
-    return json_pack("{s:s, s:o}", "file", s->run[i].name, "polynomials", list);
+    return json_pack("{s:o, s:o}", "file", json_text(s->run[i].name), "polynomials", list);
 }
 
 static json_t *single_json(const characterize_state *s, size_t i) {
@@ -217,13 +192,13 @@ static json_t *spread_json(const characterize_state *s) {
 static void add_lists(json_t *all, const characterize_state *s) {
     json_t *runs = json_array(), *statics = json_array(), *singles = json_array(), *warnings = json_array();
     for (size_t i = 0; i < s->n; i++)
-        json_array_append_new(runs, run_json(s, i));
+        json_array_append_new(runs, fitted_run_json(s, i));
     for (size_t i = 0; i < s->n_static; i++)
         json_array_append_new(statics, static_json(s, i));
     for (size_t i = 0; i < s->n_single; i++)
         json_array_append_new(singles, single_json(s, i));
     for (size_t i = 0; i < s->n_warnings; i++)
-        json_array_append_new(warnings, json_plain(s->warning[i]));
+        json_array_append_new(warnings, json_text(s->warning[i]));
     json_object_set_new(all, "runs", runs);
     json_object_set_new(all, "static", statics);
     json_object_set_new(all, "degree_scores", scores_json(&s->degrees, "degree", false));
@@ -240,7 +215,7 @@ static void add_lists(json_t *all, const characterize_state *s) {
     json_object_set_new(all, "warnings", warnings);
 }
 
-static json_t *whole(const characterize_options *o, const characterize_state *s) {
+json_t *characterize_json(const characterize_options *o, const characterize_state *s) {
     const palp_lumped_fit *f = characterize_fit_of(s);
     json_t *all = json_object();
     json_object_set_new(all, "palpate",
@@ -272,11 +247,4 @@ static json_t *whole(const characterize_options *o, const characterize_state *s)
                                   o->fit_filtered));
     add_lists(all, s);
     return all;
-}
-
-int characterize_json(const characterize_options *o, const characterize_state *s) {
-    int code = CLI_OK;
-    if (o->plot)
-        code = json_save_in(NAME, whole(o, s), o->plot, "characterize.json");
-    return code == CLI_OK && o->json ? json_print(NAME, whole(o, s)) : code;
 }

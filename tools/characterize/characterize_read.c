@@ -118,7 +118,7 @@ static int filter_runs(const characterize_options *o, characterize_state *s) {
         double own = run_cutoff_Hz(&s->run[i]);
         s->cutoff_Hz = i == 0 ? own : fmin(s->cutoff_Hz, own);
     }
-    for (size_t i = 0; i < s->n && (o->plot || o->fit_filtered); i++) {
+    for (size_t i = 0; i < s->n && (o->result || o->report || o->fit_filtered); i++) {
         palp_recording *r = &s->run[i];
         s->filtered_N[i] = run_filter(r, s->cutoff_Hz);
         if (!s->filtered_N[i] && (o->fit_filtered || o->filter_Hz > 0))

@@ -260,7 +260,7 @@ static json_t *bodies_json(const characterize_state *s) {
     for (size_t k = 0; k < s->n_specimens; k++) {
         const characterize_body *body = &s->body[k];
         json_t *to = json_object();
-        json_object_set_new(to, "name", json_string(characterize_specimen_name(s, k)));
+        json_object_set_new(to, "name", json_text(characterize_specimen_name(s, k)));
         json_object_set_new(to, "runs", json_integer((json_int_t)body->n_runs));
         json_object_set_new(to, "height_mm", json_number_or_null(1e3 * body->height_m));
         json_object_set_new(to, "radius_mm", json_number_or_null(1e3 * body->radius_m));
@@ -316,28 +316,4 @@ json_t *characterize_json_specimens(const characterize_state *s) {
                      json_number_or_null(1e3 * s->run[0].height_m), "radius_mm",
                      json_number_or_null(1e3 * s->run[0].radius_m), "differ", s->n_points > 0, "each",
                      bodies_json(s), "parameters", parameters_json(s), "stiffness", points_json(s));
-}
-
-void characterize_plot_specimens(plot_book *book, const characterize_state *s) {
-    double at[CHARACTERIZE_BAND], own[2 * CHARACTERIZE_BAND], new[2 * CHARACTERIZE_BAND],
-        mean[CHARACTERIZE_BAND];
-    const size_t n = s->n_points;
-    for (size_t i = 0; i < n; i++) {
-        const palp_specimens_point *p = &s->point[i];
-        at[i] = characterize_strain_max(s) * (double)i / (double)(n - 1);
-        mean[i] = p->stiffness_N * at[i];
-        own[i] = (p->stiffness_N - 1.96 * p->sd_N) * at[i];
-        own[n + i] = (p->stiffness_N + 1.96 * p->sd_N) * at[i];
-        new[i] = (p->stiffness_N - 1.96 * p->new_sd_N) * at[i];
-        new[n + i] = (p->stiffness_N + 1.96 * p->new_sd_N) * at[i];
-    }
-    const plot_series series[] = {{"95 % of specimens", PLOT_BAND, 1, n, at, new},
-                                  {"95 % of the mean", PLOT_BAND, 0, n, at, own},
-                                  {"mean specimen", PLOT_LINE, 0, n, at, mean}};
-    const plot_figure figure = {
-        .title = "Force at rest of the mean specimen, and of specimens not measured",
-        .n_panels = 1,
-        .panel = {{.x_label = "strain e", .y_label = "force (N)", .n_series = 3, .series = series}}};
-    if (n)
-        plot_draw(book, "specimens", &figure);
 }

@@ -67,7 +67,7 @@ static json_t *point_json(const characterize_state *s, size_t run, const palp_sp
     const palp_recording *r = &s->run[run];
     double storage = NAN, loss = NAN;
     json_t *to = json_object();
-    json_object_set_new(to, "file", json_string(r->name));
+    json_object_set_new(to, "file", json_text(r->name));
     characterize_model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
     set(to, "frequency_Hz", p->frequency_Hz);
     set(to, "from_s", p->from_s);
@@ -179,92 +179,4 @@ int characterize_write_spectrum(const char *path, const characterize_state *s) {
         return code;
     }
     return cli_file_close(NAME, &file);
-}
-
-/* ---- the figure ---- */
-
-enum { CURVE = 120, POINTS_MAX = 2000, RUNS_SHOWN = 6 };
-
-typedef struct spectrum_plot {
-    plot_series series[2][2 * RUNS_SHOWN + 2]; /* storage; loss */
-    size_t n;
-    double frequency[CURVE], curve[2][RUNS_SHOWN + 1][CURVE];
-    double x[POINTS_MAX], y[2][3 * POINTS_MAX]; /* of the points: value, low, high, by runs */
-    size_t points;
-} spectrum_plot;
-
-static void add_series(spectrum_plot *plot, const char *title, plot_style style, int colour, size_t n,
-                       const double *x, const double *storage, const double *loss) {
-    plot->series[0][plot->n] = (plot_series){title, style, colour, n, x, storage};
-    plot->series[1][plot->n++] = (plot_series){NULL, style, colour, n, x, loss};
-}
-
-static void add_points(const characterize_state *s, size_t run, int colour, spectrum_plot *plot) {
-    size_t n = s->spectrum[run].n, from = plot->points;
-    if (from + n > POINTS_MAX)
-        return;
-    double *x = plot->x + from, *storage = plot->y[0] + 3 * from, *loss = plot->y[1] + 3 * from;
-    for (size_t k = 0; k < n; k++) {
-        const palp_spectrum_point *p = &s->spectrum[run].point[k];
-        for (int end = -1; end <= 1; end++) {
-            size_t at = k + (end == 0 ? 0 : end < 0 ? n : 2 * n);
-            storage[at] = p->storage_N_m + end * Z95 * p->storage_sd_N_m;
-            loss[at] = p->loss_N_m + end * Z95 * p->loss_sd_N_m;
-        }
-        x[k] = p->frequency_Hz;
-    }
-    plot->points += n;
-    add_series(plot, cli_base(s->run[run].name), PLOT_BARS, colour, n, x, storage, loss);
-}
-
-static bool add_model(const characterize_state *s, const palp_material *m, double depth_m, const char *title,
-                      plot_style style, int colour, size_t at, spectrum_plot *plot) {
-    double *storage = plot->curve[0][at], *loss = plot->curve[1][at];
-    if (characterize_model_spectrum(s, m, depth_m, CURVE, plot->frequency, storage, loss))
-        return false;
-    add_series(plot, title, style, colour, CURVE, plot->frequency, storage, loss);
-    return true;
-}
-
-void characterize_plot_spectrum(plot_book *book, const characterize_state *s) {
-    spectrum_plot *plot = calloc(1, sizeof *plot);
-    size_t shown = 0;
-    if (!plot || characterize_spectrum_points(s) == 0) {
-        book->result = plot ? book->result : PLOT_FAILED;
-        free(plot);
-        return;
-    }
-    double low, high;
-    range_of(s, &low, &high);
-    for (size_t k = 0; k < CURVE; k++)
-        plot->frequency[k] = low * pow(high / low, (double)k / (CURVE - 1));
-    for (size_t i = 0; i < s->n && shown < RUNS_SHOWN; i++) {
-        if (s->spectrum[i].n == 0)
-            continue;
-        double depth = s->spectrum[i].point[s->spectrum[i].n / 2].depth_m;
-        int colour = (int)shown;
-        add_model(s, &s->material, depth, shown == 0 ? "model" : NULL, PLOT_LINE, colour, shown, plot);
-        if (shown == 0 && s->has_shared && s->shared.material.n_arms > 0) {
-            palp_material holds = s->shared.material;
-            holds.law = s->material.law;
-            add_model(s, &holds, depth, "arms of the holds alone", PLOT_DASHED, PLOT_BLACK, RUNS_SHOWN, plot);
-        }
-        add_points(s, i, colour, plot);
-        shown++;
-    }
-    const plot_figure figure = {
-        .title = "Storage and loss stiffness: measured with 95 % intervals, and the model's",
-        .n_panels = 2,
-        .panel = {{.x_label = "",
-                   .y_label = "storage K' (N/m)",
-                   .x_scale = PLOT_LOG,
-                   .n_series = plot->n,
-                   .series = plot->series[0]},
-                  {.x_label = "frequency (Hz)",
-                   .y_label = "loss K\" (N/m)",
-                   .x_scale = PLOT_LOG,
-                   .n_series = plot->n,
-                   .series = plot->series[1]}}};
-    plot_draw(book, "spectrum", &figure);
-    free(plot);
 }

@@ -8,16 +8,6 @@
 
 static const char NAME[] = "characterize";
 
-const char *characterize_kind(const palp_recording *r) {
-    static const char *const kinds[] = {"ramp", "ramp_hold", "other", "creep"};
-    return kinds[r->kind];
-}
-
-const char *characterize_rule(const palp_recording *r) {
-    static const char *const rules[] = {"given", "free air", "nominal"};
-    return rules[r->contact_rule];
-}
-
 const palp_lumped_fit *characterize_fit_of(const characterize_state *s) {
     return s->has_final ? &s->final : &s->shared;
 }

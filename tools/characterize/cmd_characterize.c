@@ -1,6 +1,7 @@
 /* cmd_characterize.c: palpate characterize: a lumped model with intervals from raw recordings. */
 #include "characterize.h"
 #include "shared/commands.h"
+#include "shared/page.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -78,9 +79,10 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_out("out", "LUMPED.json", &o->out, "the lumped model"),
         cli_out("spectrum", "FILE.csv", &o->spectrum,
                 "storage and loss by frequency: of runs that oscillate, and of the model"),
-        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp characterize.json",
-                       "SVG figures by gnuplot, and the result as characterize.json"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
+        cli_out("result", "RESULT.json", &o->result,
+                "the same into a file, with its figures, for palpate report"),
+        cli_out("report", "PAGE.html", &o->report, "tables and figures on one page"),
     };
     const cli_command command = {
         NAME,
@@ -88,7 +90,7 @@ static int parse(int argc, char **argv, characterize_options *o) {
         "Finds a generalized Maxwell solid, with 95 % intervals, from raw static, ramp-and-hold and creep "
         "runs.\n"
         "Contact, zero force and noise of each run are found first and told on standard error.",
-        "  palpate characterize static.csv hold_*.csv --out lumped.json --plot figures\n"
+        "  palpate characterize static.csv hold_*.csv --out lumped.json --report page.html\n"
         "  palpate characterize hold_*.csv --arms 2 --shared-arms --json\n",
         options,
         sizeof options / sizeof options[0]};
@@ -190,11 +192,13 @@ static int characterize(const characterize_options *o, characterize_state *s) {
     code = code ? code : characterize_model(o, s);
     code = code ? code : write_model(o, s);
     code = code || !o->spectrum ? code : characterize_write_spectrum(o->spectrum, s);
-    if (code == CLI_OK && o->plot)
-        code = characterize_plot(o, s);
+    if (code == CLI_OK && !o->json)
+        code = characterize_print(o, s);
+    json_t *figures = code == CLI_OK && (o->result || o->report) ? characterize_figures(s) : NULL;
+    if (code == CLI_OK && (o->result || o->report) && !figures)
+        code = CLI_FAILURE;
     if (code == CLI_OK)
-        code = o->json ? CLI_OK : characterize_print(o, s);
-    code = code ? code : characterize_json(o, s);
+        code = page_result(NAME, characterize_json(o, s), figures, o->json, o->result, o->report);
     return code == CLI_OK && !characterize_fit_of(s)->converged ? CLI_NOT_CONVERGED : code;
 }
 

@@ -3,10 +3,10 @@
 #include "shared/blas.h"
 #include "shared/commands.h"
 #include "explain.h"
-#include "page.h"
 #include "shared/jobs.h"
 #include "shared/json_out.h"
 #include "shared/opening.h"
+#include "shared/page.h"
 #include "shared/progress.h"
 
 #include <errno.h>
@@ -46,10 +46,9 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_heading("Output"),
         cli_out("out", "EXPLAINED.json", &o->out, "the model with the effects"),
         cli_flag("json", &o->json, "everything that was found as one JSON object on standard output"),
-        cli_out("result", "RESULT.json", &o->result, "the same into a file"),
+        cli_out("result", "RESULT.json", &o->result,
+                "the same into a file, with its figures, for palpate report"),
         cli_out("report", "PAGE.html", &o->report, "the story on one page"),
-        cli_out_folder("plot", "DIR", &o->plot, "*.svg *.gp explain.json",
-                       "result and figure into a folder, for palpate report"),
         cli_out("next", "PROTOCOL.json", &o->next, "the next experiment, for palpate acquire"),
     };
     const cli_command command = {
@@ -120,14 +119,8 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
                    model.material.law.strain_max); /* of the coefficients that were found */
     if (o->out && palp_model_write(&model, o->out, &error))
         code = cli_status(NAME, error.status, &error);
-    if (code == CLI_OK && o->result)
-        code = json_save(NAME, explain_json(o, e), o->result);
     if (code == CLI_OK && o->next && e->next.wanted && e->next.kind)
         code = json_save(NAME, explain_protocol(e), o->next);
-    if (code == CLI_OK && o->plot)
-        code = explain_plot(o, e);
-    if (code == CLI_OK && o->report)
-        code = explain_page(o, e);
     return code;
 }
 
@@ -247,12 +240,12 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
         code = status ? cli_status_of(NAME, o->model, status, &error) : CLI_OK;
     }
     if (code == CLI_OK) {
-        json_t *result = explain_json(o, &e);
+        json_t *result = explain_json(o, &e), *figures = json_array();
         if (!o->json)
             explain_say(stdout, result);
-        code = o->json ? json_print(NAME, result) : CLI_OK;
-        if (!o->json)
-            json_decref(result);
+        if (o->result || o->report)
+            explain_figures(figures, &e);
+        code = page_result(NAME, result, figures, o->json, o->result, o->report);
         code = code ? code : write_out(o, &e);
         code = code == CLI_OK && e.stopped ? CLI_NOT_CONVERGED : code;
         palp_explanation_free(&e);

@@ -12,7 +12,7 @@
 enum { EXPLAIN_RUNS_MAX = 512, EXPLAIN_ROWS = 50000 };
 
 typedef struct explain_options {
-    const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *result, *report, *plot, *next;
+    const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *result, *report, *next;
     size_t n_words, max_effects, jobs, every; /* every: 0 = so many that EXPLAIN_ROWS remain */
     int contact;                              /* a palp_contact_form */
     double false_alarm, good_enough;
@@ -32,15 +32,13 @@ json_t *explain_spectrum(const palp_explanation *e);
 /* The next experiment as a protocol file. */
 json_t *explain_protocol(const palp_explanation *e);
 
-/* The page; an exit code. (explain_page.c) */
-int explain_page(const explain_options *o, const palp_explanation *e);
+/* Adds sentences, next_sentence and catalogue to the result, which has all else; and says them on a terminal,
+ * with effects and candidates. (explain_words.c) */
+void explain_add_words(json_t *result);
+void explain_say(FILE *to, const json_t *result);
 
-/* Recorded minus model, run by run, as explain_residuals. (explain_figure.c) */
-void explain_figure(plot_book *book, const palp_explanation *e);
-
-/* explain.json and explain_residuals.svg into the folder of --plot, for palpate report; an exit code.
- * (explain_page.c) */
-int explain_plot(const explain_options *o, const palp_explanation *e);
+/* Recorded minus model, a figure explain_residuals for each run. (explain_figure.c) */
+void explain_figures(json_t *figures, const palp_explanation *e);
 
 /* Keeps one sample in every of a run, which is replaced. (explain_thin.c) */
 palp_status explain_thin(palp_experiment **run, size_t every);

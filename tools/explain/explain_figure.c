@@ -1,12 +1,13 @@
-/* explain_figure.c: recorded minus model over time, run by run, as given and with the effects: small panels
- * of one scale. */
+/* explain_figure.c: recorded minus model over time, as given and with the effects: a figure for each of the
+ * runs with the largest residuals, of one scale. */
 #include "explain.h"
+#include "shared/plot.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PANELS = PLOT_PANELS_MAX, COLUMNS = 2, BINS = 263, SERIES = 5 };
+enum { SHOWN = 12, BINS = 263, SERIES = 5 };
 
 /* ---- curves: what falls on one bin is a mean, and a lowest and highest ---- */
 
@@ -16,10 +17,8 @@ typedef struct curve {
 } curve;
 
 typedef struct panel {
-    char title[96];
     double level_s[2], level_mN[4];
     curve before, after;
-    plot_series series[SERIES];
 } panel;
 
 static void add(curve *c, double time_s, double mean_mN, double low_mN, double high_mN) {
@@ -61,25 +60,14 @@ static double largest(const palp_explain_run *run, const double *y) {
     return most;
 }
 
-/* Of a name that is too long its start and its end: what tells runs apart may be either. */
-static void short_name(const char *name, char text[48]) {
-    size_t n = strlen(name);
-    if (n <= 40)
-        snprintf(text, 48, "%s", name);
-    else
-        snprintf(text, 48, "%.18s...%s", name, name + n - 19);
-}
-
-static plot_panel make_panel(panel *p, const palp_explain_run *run, const palp_explanation *e,
-                             double most_mN) {
-    const double level = 1e3 * e->gap.noise_level_N;
+static void draw(json_t *figures, panel *p, const palp_explain_run *run, const palp_explanation *e,
+                 double most_mN) {
+    const double level = 1e3 * e->gap.noise_level_N, before = 1e3 * sqrt(mean_square(run, run->before_N)),
+                 after = 1e3 * sqrt(mean_square(run, run->after_N));
     bool two = e->n_effects > 0;
-    char name[48];
-    short_name(cli_base(run->name), name);
-    int n = snprintf(p->title, sizeof p->title, "%s   rms %.3g", name,
-                     1e3 * sqrt(mean_square(run, run->before_N)));
-    snprintf(p->title + n, sizeof p->title - (size_t)n, two ? " \u2192 %.3g mN" : " mN",
-             1e3 * sqrt(mean_square(run, run->after_N)));
+    char title[CLI_PATH_MAX + 64];
+    snprintf(title, sizeof title, two ? "%s, rms %.3g \u2192 %.3g mN" : "%s, rms %.3g mN",
+             cli_base(run->name), before, after);
     p->level_s[1] = run->time_s[run->n - 1] - run->time_s[0];
     p->level_mN[0] = p->level_mN[1] = -level;
     p->level_mN[2] = p->level_mN[3] = level;
@@ -91,20 +79,21 @@ static plot_panel make_panel(panel *p, const palp_explain_run *run, const palp_e
         {NULL, PLOT_LINE, PLOT_ORANGE, p->before.n, p->before.time_s, p->before.mean},
         {NULL, PLOT_BAND, PLOT_BLUE, p->after.n, p->after.time_s, p->after.band},
         {NULL, PLOT_LINE, PLOT_BLUE, p->after.n, p->after.time_s, p->after.mean}};
-    memcpy(p->series, series, sizeof series);
-    return (plot_panel){.x_label = "time (s)",
-                        .y_label = "mN",
-                        .n_series = two ? SERIES : 3,
-                        .series = p->series,
-                        .title = p->title,
-                        .y_low = -most_mN,
-                        .y_high = most_mN};
+    const plot_figure figure = {.title = title,
+                                .n_panels = 1,
+                                .panel = {{.x_label = "time (s)",
+                                           .y_label = "force (mN)",
+                                           .n_series = two ? SERIES : 3,
+                                           .series = series,
+                                           .y_low = -most_mN,
+                                           .y_high = most_mN}}};
+    plot_draw(figures, "explain_residuals", &figure);
 }
 
-/* ---- the figure ---- */
+/* ---- the figures ---- */
 
 /* The runs with the largest residuals, in their own order. */
-static size_t choose(const palp_explanation *e, size_t shown[PANELS]) {
+static size_t choose(const palp_explanation *e, size_t shown[SHOWN]) {
     size_t n = 0;
     for (size_t r = 0; r < e->n_runs; r++) {
         double own = mean_square(&e->run[r], e->run[r].before_N);
@@ -113,32 +102,22 @@ static size_t choose(const palp_explanation *e, size_t shown[PANELS]) {
             double other = mean_square(&e->run[k], e->run[k].before_N);
             before += other > own || (other == own && k < r);
         }
-        if (before < PANELS)
+        if (before < SHOWN)
             shown[n++] = r;
     }
     return n;
 }
 
-void explain_figure(plot_book *book, const palp_explanation *e) {
-    size_t shown[PANELS], n = choose(e, shown);
-    panel *p = calloc(PANELS, sizeof *p);
-    plot_figure figure = {.n_panels = n,
-                          .columns = COLUMNS,
-                          .width = 600 * COLUMNS,
-                          .height = 230 * (unsigned)((n + COLUMNS - 1) / COLUMNS)};
-
+void explain_figures(json_t *figures, const palp_explanation *e) {
+    size_t shown[SHOWN], n = choose(e, shown);
     double most = 2 * e->gap.noise_level_N;
-    if (!p) {
-        book->result = PLOT_FAILED;
-        return;
-    }
     for (size_t k = 0; k < n; k++) {
         const palp_explain_run *run = &e->run[shown[k]];
         double peak = largest(run, run->before_N); /* but for spikes */
         most = fmax(most, fmin(1.05 * peak, 6 * sqrt(mean_square(run, run->before_N))));
     }
-    for (size_t k = 0; k < n; k++)
-        figure.panel[k] = make_panel(&p[k], &e->run[shown[k]], e, 1e3 * most);
-    plot_draw(book, "explain_residuals", &figure);
+    panel *p = calloc(n + 1, sizeof *p);
+    for (size_t k = 0; p && k < n; k++)
+        draw(figures, &p[k], &e->run[shown[k]], e, 1e3 * most);
     free(p);
 }

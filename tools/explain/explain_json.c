@@ -106,7 +106,7 @@ static json_t *phase_shares_json(const palp_explanation *e) {
     json_t *list = json_array();
     for (size_t i = 0; i < e->n_phase_shares; i++) {
         json_t *object = json_object();
-        json_object_set_new(object, "experiment", json_string(e->run[e->phase_share[i].run].name));
+        json_object_set_new(object, "experiment", json_text(e->run[e->phase_share[i].run].name));
         json_object_set_new(object, "phase", json_string(palp_phase_name(e->phase_share[i].phase)));
         put(object, "share", e->phase_share[i].share);
         put(object, "remaining", e->phase_share[i].remaining);
@@ -121,7 +121,7 @@ static json_t *events_json(const palp_explanation *e) {
     json_t *list = json_array();
     for (size_t i = 0; i < e->n_events; i++) {
         json_t *object = json_object();
-        json_object_set_new(object, "experiment", json_string(e->run[e->event[i].run].name));
+        json_object_set_new(object, "experiment", json_text(e->run[e->event[i].run].name));
         json_object_set_new(object, "kind", json_string(e->event[i].kind));
         put(object, "from_s", e->event[i].from_s);
         put(object, "to_s", e->event[i].to_s);
@@ -238,7 +238,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     for (size_t i = 0; i < e->n_effects; i++)
         json_array_append_new(effects, effect_json(&e->effect[i]));
     json_object_set_new(root, "palpate", json_pack("{s:i}", "explain", 1));
-    json_object_set_new(root, "command", json_string(o->command));
+    json_object_set_new(root, "command", json_text(o->command));
     json_object_set_new(root, "verdict", json_string(palp_explain_verdict_name(e->verdict)));
     json_object_set_new(root, "stopped", json_boolean(e->stopped));
     json_object_set_new(root, "contact", json_string(contacts[o->contact]));
@@ -257,6 +257,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "rejected", candidates_json(e, false));
     json_object_set_new(root, "steps", steps_json(e));
     json_object_set_new(root, "residual_diagnostics", diagnostics_json(e));
+    explain_add_words(root);
     return root;
 }
 

@@ -110,7 +110,7 @@ json_t *explain_profile(const palp_explanation *e) {
     bool *use = malloc(longest * sizeof *use);
     for (size_t r = 0; use && r < e->n_runs; r++) {
         const palp_explain_run *run = &e->run[r];
-        json_t *object = json_pack("{s:s}", "experiment", run->name);
+        json_t *object = json_pack("{s:o}", "experiment", json_text(run->name));
         bin whole = {.n = 0};
         find_used(e, r, use);
         for (size_t i = 0; i < run->n; i++) {

@@ -240,7 +240,7 @@ static json_t *error_json(const reduction *r) {
     for (size_t i = 0; i < r->n; i++) {
         const reduce_run *run = &r->run[i];
         if (run->held_out)
-            json_array_append_new(list, json_pack("{s:o, s:f, s:f, s:f}", "run", json_plain(run->file),
+            json_array_append_new(list, json_pack("{s:o, s:f, s:f, s:f}", "run", json_text(run->file),
                                                   "worst_N", run->error.worst_N, "rms_N", run->error.rms_N,
                                                   "peak_N", run->error.peak_N));
     }

@@ -1,6 +1,7 @@
 /* cmd_report.c: palpate report: recordings, models and results on one HTML page. */
-#include "shared/commands.h"
 #include "report.h"
+#include "shared/commands.h"
+#include "shared/page.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -25,11 +26,10 @@ static int parse(int argc, char **argv, report_options *o) {
         "network's calibration, simulations beside recordings, and the checksums of all files on one page "
         "that\n"
         "needs nothing else.\n"
-        "Of a folder it takes all *.csv, *.json and *.svg; characterize, explain and calibrate leave theirs "
-        "by\n"
-        "--plot. A file of - is standard input.",
-        "  palpate characterize runs/*.csv --out work/lumped.json --plot work\n"
-        "  palpate explain --model work/lumped.json runs/*.csv --plot work\n"
+        "Of a folder it takes all *.csv and *.json; characterize, explain and calibrate write their results\n"
+        "by --result. A file of - is standard input.",
+        "  palpate characterize runs/*.csv --out work/lumped.json --result work/characterize.json\n"
+        "  palpate explain --model work/lumped.json runs/*.csv --result work/explain.json\n"
         "  palpate report runs work --out report.html\n",
         options,
         sizeof options / sizeof options[0]};
@@ -39,29 +39,16 @@ static int parse(int argc, char **argv, report_options *o) {
                : code;
 }
 
-static bool lumped(const report *r, bool network) {
-    const report_file *f;
-    for (size_t i = 0; (f = report_find(r, REPORT_MODEL, i)) != NULL; i++)
-        if ((f->model.kind == PALP_MODEL_NETWORK) == network)
-            return true;
-    return false;
-}
-
 static int make(const report_options *o, report *r) {
     int code = CLI_OK;
     for (size_t i = 0; i < o->n_words && code == CLI_OK; i++)
         code = report_add(r, o->words[i], true);
     if (code == CLI_OK && report_count(r, REPORT_OTHER) == r->n)
-        code = cli_failure(NAME, "%s: holds nothing that palpate writes: no run, model, result or figure",
-                           o->words[0]);
+        code =
+            cli_failure(NAME, "%s: holds nothing that palpate writes: no run, model or result", o->words[0]);
     report_sort(r);
     code = code ? code : report_pairs(r);
-    code = code ? code : report_figures(r);
-    bool results = report_count(r, REPORT_CHARACTERIZE) > 0, model = lumped(r, false);
-    r->has_law = results || model;
-    r->has_fits = results || (model && report_count(r, REPORT_RECORDING) > 0);
-    r->has_calibration = report_count(r, REPORT_CALIBRATE) > 0 || lumped(r, true);
-    return code ? code : report_page(r, o->out);
+    return code ? code : page_save(NAME, report_json(r, o->title ? o->title : "Palpation report"), o->out);
 }
 
 int cmd_report(int argc, char **argv) {
@@ -69,10 +56,7 @@ int cmd_report(int argc, char **argv) {
     report r = {.file = calloc(REPORT_FILES_MAX, sizeof *r.file)};
     int code =
         o && r.file ? parse(argc, argv, o) : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
-    if (code == CLI_OK) {
-        r.title = o->title ? o->title : "Palpation report";
-        code = make(o, &r);
-    }
+    code = code ? code : make(o, &r);
     report_free(&r);
     free(o);
     return code == CLI_HELP ? CLI_OK : code;

@@ -3,8 +3,6 @@
 #define PALPATE_TOOL_REPORT_H
 
 #include "shared/cli.h"
-#include "explain/page.h"
-#include "shared/html.h"
 #include "shared/plot_runs.h"
 
 #include <jansson.h>
@@ -16,14 +14,11 @@
 enum { REPORT_FILES_MAX = 512, REPORT_CURVES_MAX = 64, REPORT_NOTE_MAX = 256 };
 
 typedef enum report_kind {
-    REPORT_OTHER,        /* not recognised or not readable; note says why */
-    REPORT_RECORDING,    /* an experiment CSV */
-    REPORT_SIMULATION,   /* an experiment CSV that palpate simulate wrote */
-    REPORT_MODEL,        /* a model JSON */
-    REPORT_CHARACTERIZE, /* what palpate characterize --json wrote */
-    REPORT_CALIBRATE,    /* what palpate calibrate --json wrote */
-    REPORT_EXPLAIN,      /* what palpate explain --result wrote */
-    REPORT_FIGURE        /* an SVG */
+    REPORT_OTHER,      /* not recognised or not readable; note says why */
+    REPORT_RECORDING,  /* an experiment CSV */
+    REPORT_SIMULATION, /* an experiment CSV that palpate simulate wrote */
+    REPORT_MODEL,      /* a model JSON */
+    REPORT_RESULT      /* what palpate characterize, calibrate or explain --result wrote */
 } report_kind;
 
 typedef struct report_file {
@@ -39,11 +34,7 @@ typedef struct report_file {
     palp_experiment *experiment; /* recording, simulation */
     palp_recording recording;    /* likewise; n = 0: could not be prepared */
     palp_model model;            /* model */
-    palp_mesh_source mesh;       /* of a network */
-    json_t *json;                /* characterize, calibrate, explain */
-    char *svg;                   /* figure: from "<svg" on */
-    bool shown;                  /* figure: placed on the page */
-    bool drawn;                  /* figure: by the report itself */
+    json_t *json;                /* model, result */
 } report_file;
 
 /* A simulation beside the recording it repeats. */
@@ -55,37 +46,23 @@ typedef struct report_pair {
 } report_pair;
 
 typedef struct report {
-    const char *title;
     size_t n;
     report_file *file; /* [REPORT_FILES_MAX], in the order of the page */
     size_t n_pairs;
     report_pair pair[REPORT_CURVES_MAX];
-    bool has_fits, has_law, has_calibration;
 } report;
 
 /* ---- report_load.c; exit codes, after one line on stderr if not 0 ---- */
 int report_add(report *r, const char *path, bool must_read); /* a file, or all of a folder */
 void report_sort(report *r); /* recordings, and simulations, as the figures' keys have them */
 void report_free(report *r);
-const report_file *report_find(const report *r, report_kind kind, size_t which); /* NULL = no more */
 size_t report_count(const report *r, report_kind kind);
 
 /* ---- report_figures.c ---- */
-int report_pairs(report *r);   /* simulations beside recordings */
-int report_figures(report *r); /* draws what was not among the files; adds them as figures */
+int report_pairs(report *r);             /* simulations beside recordings */
+json_t *report_figures(const report *r); /* of recordings and models, that no result has; of the pairs */
 
-/* The figure of a name ("fit_log") among the files that is not on the page yet; report_figure puts it there.
- */
-void report_place(FILE *to, report_file *figure, const char *caption);
-report_file *report_find_figure(const report *r, const char *name); /* NULL = none */
-void report_figure(FILE *to, report *r, const char *name, const char *caption);
-
-/* ---- report_page.c, report_results.c: the sections ---- */
-int report_page(report *r, const char *path);
-void report_fits(FILE *to, report *r);
-void report_parameters(FILE *to, report *r);
-void report_law(FILE *to, report *r);
-void report_calibrations(FILE *to, report *r);
-void report_simulations(FILE *to, report *r);
+/* What the page shows; NULL = out of memory. (report_json.c) */
+json_t *report_json(const report *r, const char *title);
 
 #endif

@@ -1,5 +1,6 @@
-/* report_figures.c: the figures that were not among the files, drawn for the page. */
+/* report_figures.c: simulations beside recordings, and the figures that no result has. */
 #include "report.h"
+#include "shared/json_out.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -130,15 +131,22 @@ static double *lumped_force(const palp_model *m, const palp_recording *r) {
 }
 
 static const palp_model *lumped_model(const report *r) {
-    for (size_t i = 0;; i++) {
-        const report_file *f = report_find(r, REPORT_MODEL, i);
-        if (!f || f->model.kind == PALP_MODEL_LUMPED)
-            return f ? &f->model : NULL;
-    }
+    for (size_t i = 0; i < r->n; i++)
+        if (r->file[i].kind == REPORT_MODEL && r->file[i].model.kind == PALP_MODEL_LUMPED)
+            return &r->file[i].model;
+    return NULL;
 }
 
+/* Whether a result has a figure of this name. */
 static bool has(const report *r, const char *name) {
-    return report_find_figure(r, name) != NULL;
+    const json_t *figure;
+    for (size_t i = 0; i < r->n; i++) {
+        const json_t *list = json_object_get(r->file[i].json, "figures");
+        for (size_t k = 0; (figure = json_array_get(list, k)) != NULL; k++)
+            if (strcmp(json_text_at(figure, "name"), name) == 0)
+                return true;
+    }
+    return false;
 }
 
 static void fill(const report *r, size_t n, run_curve *curve, bool filter, bool fit) {
@@ -157,38 +165,28 @@ static void release(size_t n, run_curve *curve) {
     }
 }
 
-static void draw_timed(report *r, plot_book *book) {
+static void draw_recordings(const report *r, json_t *figures, bool is_static) {
     run_curve curve[REPORT_CURVES_MAX];
-    size_t n = collect(r, false, curve);
-    bool raw = !has(r, "recordings_log"), fit = !has(r, "fit_log") && lumped_model(r);
+    size_t n = collect(r, is_static, curve);
+    bool raw = !has(r, is_static ? "recordings_static" : "recordings_log"),
+         fit = !has(r, is_static ? "fit_static" : "fit_log") && lumped_model(r);
     if (n == 0 || (!raw && !fit))
         return;
     fill(r, n, curve, raw, fit);
-    const char *title = "Recordings (light) and the lumped model";
-    if (raw)
-        plot_runs_recorded(book, "Recordings: raw (light) and filtered", n, curve);
-    if (fit)
-        plot_runs_fitted(book, title, title, "Residuals of the lumped model", n, curve);
-    release(n, curve);
-}
-
-static void draw_static(report *r, plot_book *book) {
-    run_curve curve[REPORT_CURVES_MAX];
-    size_t n = collect(r, true, curve);
-    bool raw = !has(r, "recordings_static"), fit = !has(r, "fit_static") && lumped_model(r);
-    if (n == 0 || (!raw && !fit))
-        return;
-    fill(r, n, curve, raw, fit);
-    if (raw)
-        plot_runs_depth(book, "recordings_static", "Ramps without a dwell: raw (light) and filtered", n,
+    if (raw && is_static)
+        plot_runs_depth(figures, "recordings_static", "Ramps without a dwell: raw (light) and filtered", n,
                         curve, false);
-    if (fit)
-        plot_runs_depth(book, "fit_static", "Ramps without a dwell (light) and the lumped model", n, curve,
+    else if (raw)
+        plot_runs_recorded(figures, n, curve);
+    if (fit && is_static)
+        plot_runs_depth(figures, "fit_static", "Ramps without a dwell (light) and the lumped model", n, curve,
                         true);
+    else if (fit)
+        plot_runs_fitted(figures, n, curve);
     release(n, curve);
 }
 
-static void draw_pairs(report *r, plot_book *book) {
+static void draw_pairs(const report *r, json_t *figures) {
     run_curve curve[REPORT_CURVES_MAX];
     for (int is_static = 0; is_static < 2; is_static++) {
         size_t n = 0;
@@ -198,49 +196,20 @@ static void draw_pairs(report *r, plot_book *book) {
                 curve[n++] = (run_curve){own, NULL, r->pair[i].force_N, r->pair[i].band_N};
         }
         if (n > 0 && is_static) {
-            plot_runs_depth(book, "simulated_static", "Ramps without a dwell: recorded (light) and simulated",
-                            n, curve, true);
+            plot_runs_depth(figures, "simulated_static",
+                            "Ramps without a dwell: recorded (light) and simulated", n, curve, true);
         } else if (n > 0) {
             const char *title = "Recorded (light) and simulated";
-            plot_runs_time(book, "simulated_linear", title, n, curve, PLOT_TIME_LINEAR, true);
-            plot_runs_time(book, "simulated_log", title, n, curve, PLOT_TIME_LOG, true);
+            plot_runs_time(figures, "simulated_linear", title, n, curve, PLOT_TIME_LINEAR, true);
+            plot_runs_time(figures, "simulated_log", title, n, curve, PLOT_TIME_LOG, true);
         }
     }
 }
 
-static void draw_law(report *r, plot_book *book) {
-    const palp_model *m = lumped_model(r);
-    double top = 0;
-    if (!m || has(r, "stiffness_law"))
-        return;
-    for (size_t i = 0; i < r->n; i++)
-        if (r->file[i].recording.n > 0)
-            top = fmax(top, r->file[i].recording.deepest_m / r->file[i].recording.height_m);
-    const law_line line = {NULL, m->material.law, false};
-    plot_runs_stiffness(book, "stiffness_law", "Stiffness law K(e) of the lumped model", top > 0 ? top : 0.4,
-                        1, &line, NULL, NULL);
-}
-
-/* ---- into the report ---- */
-
-/* Takes a drawn figure over as if it had been among the files, without a line in the list of files. */
-static void adopt(void *user, const char *name, char *svg) {
-    report *r = user;
-    char *path = malloc(strlen(name) + sizeof ".svg");
-    if (!path || r->n == REPORT_FILES_MAX) {
-        free(path);
-        free(svg);
-        return;
-    }
-    sprintf(path, "%s.svg", name);
-    r->file[r->n++] = (report_file){.path = path, .kind = REPORT_FIGURE, .svg = svg, .drawn = true};
-}
-
-int report_figures(report *r) {
-    plot_book book = {.command = NAME, .take = adopt, .user = r};
-    draw_timed(r, &book);
-    draw_static(r, &book);
-    draw_pairs(r, &book);
-    draw_law(r, &book);
-    return plot_close(&book);
+json_t *report_figures(const report *r) {
+    json_t *figures = json_array();
+    draw_recordings(r, figures, false);
+    draw_recordings(r, figures, true);
+    draw_pairs(r, figures);
+    return figures;
 }

@@ -17,41 +17,11 @@ static bool ends(const char *path, const char *ending) {
     return n > m && strcmp(path + n - m, ending) == 0;
 }
 
-const report_file *report_find(const report *r, report_kind kind, size_t which) {
-    for (size_t i = 0; i < r->n; i++)
-        if (r->file[i].kind == kind && which-- == 0)
-            return &r->file[i];
-    return NULL;
-}
-
 size_t report_count(const report *r, report_kind kind) {
     size_t count = 0;
     for (size_t i = 0; i < r->n; i++)
         count += r->file[i].kind == kind;
     return count;
-}
-
-report_file *report_find_figure(const report *r, const char *name) {
-    size_t n = strlen(name);
-    for (size_t i = 0; i < r->n; i++) {
-        const char *base = cli_base(r->file[i].path);
-        if (r->file[i].kind == REPORT_FIGURE && !r->file[i].shown && strncmp(base, name, n) == 0 &&
-            strcmp(base + n, ".svg") == 0) {
-            return &r->file[i];
-        }
-    }
-    return NULL;
-}
-
-void report_place(FILE *to, report_file *f, const char *caption) {
-    (f->drawn ? html_svg : html_image)(to, f->svg, caption);
-    f->shown = true;
-}
-
-void report_figure(FILE *to, report *r, const char *name, const char *caption) {
-    report_file *f = report_find_figure(r, name);
-    if (f)
-        report_place(to, f, caption);
 }
 
 static bool checksum(report_file *file) {
@@ -92,49 +62,24 @@ static void load_run(report_file *file) {
 }
 
 static void load_json(report_file *file) {
+    static const char *const results[] = {"characterize", "calibrate", "explain"};
     json_error_t where;
     palp_error error = {PALP_OK, ""};
-    json_t *all = json_load_file(file->source, 0, &where);
-    const json_t *about = json_object_get(all, "palpate");
-    if (json_is_integer(json_object_get(about, "characterize"))) {
-        file->kind = REPORT_CHARACTERIZE;
-    } else if (json_is_integer(json_object_get(about, "calibrate"))) {
-        file->kind = REPORT_CALIBRATE;
-    } else if (json_is_integer(json_object_get(about, "explain"))) {
-        file->kind = REPORT_EXPLAIN;
-    } else if (json_is_integer(json_object_get(about, "model"))) {
-        if (palp_model_read(file->source, &file->model, &file->mesh, &error) == PALP_OK)
+    palp_mesh_source mesh;
+    file->json = json_load_file(file->source, 0, &where);
+    const json_t *about = json_object_get(file->json, "palpate");
+    for (size_t i = 0; i < sizeof results / sizeof results[0]; i++)
+        if (json_is_integer(json_object_get(about, results[i])))
+            file->kind = REPORT_RESULT;
+    if (json_is_integer(json_object_get(about, "model"))) {
+        if (palp_model_read(file->source, &file->model, &mesh, &error) == PALP_OK)
             file->kind = REPORT_MODEL;
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
-    } else if (all) {
-        snprintf(file->note, sizeof file->note, "no JSON that palpate writes");
-    } else {
+    } else if (!file->json) {
         snprintf(file->note, sizeof file->note, "line %d: %s", where.line, where.text);
+    } else if (file->kind == REPORT_OTHER) {
+        snprintf(file->note, sizeof file->note, "no JSON that palpate writes");
     }
-    if (file->kind == REPORT_CHARACTERIZE || file->kind == REPORT_CALIBRATE || file->kind == REPORT_EXPLAIN)
-        file->json = all;
-    else
-        json_decref(all);
-}
-
-/* The text from "<svg" on. */
-static void load_svg(report_file *file) {
-    palp_error error;
-    char *text;
-    size_t size;
-    if (palp_file_read(file->source, &text, &size, &error)) {
-        snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
-        return;
-    }
-    char *start = strstr(text, "<svg");
-    if (!start || !strstr(start, "</svg>")) {
-        snprintf(file->note, sizeof file->note, start ? "an SVG that is cut short" : "no SVG");
-        free(text);
-        return;
-    }
-    memmove(text, start, strlen(start) + 1);
-    file->svg = text;
-    file->kind = REPORT_FIGURE;
 }
 
 /* What can be read only once is copied first. */
@@ -170,7 +115,7 @@ static const char *ending_of(const report_file *file) {
     rewind(file->copy);
     while ((first = getc(file->copy)) == ' ' || first == '\n') {
     }
-    return first == '{' ? ".json" : first == '<' ? ".svg" : ".csv";
+    return first == '{' ? ".json" : ".csv";
 }
 
 static void load(report_file *file) {
@@ -179,10 +124,8 @@ static void load(report_file *file) {
         load_run(file);
     else if (strcmp(ending, ".json") == 0)
         load_json(file);
-    else if (strcmp(ending, ".svg") == 0)
-        load_svg(file);
     else
-        snprintf(file->note, sizeof file->note, "neither .csv, .json nor .svg");
+        snprintf(file->note, sizeof file->note, "neither .csv nor .json");
 }
 
 /* Says what is wrong with a file; an exit code. */
@@ -223,8 +166,7 @@ static int add_file(report *r, const char *path, bool must_read) {
 /* ---- folders ---- */
 
 static int wanted(const struct dirent *entry) {
-    return entry->d_name[0] != '.' &&
-           (ends(entry->d_name, ".csv") || ends(entry->d_name, ".json") || ends(entry->d_name, ".svg"));
+    return entry->d_name[0] != '.' && (ends(entry->d_name, ".csv") || ends(entry->d_name, ".json"));
 }
 
 static int add_folder(report *r, const char *folder) {
@@ -286,7 +228,6 @@ void report_free(report *r) {
         palp_experiment_free(file->experiment);
         palp_recording_free(&file->recording);
         json_decref(file->json);
-        free(file->svg);
         if (file->copy)
             fclose(file->copy);
         free(file->path);

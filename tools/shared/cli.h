@@ -63,7 +63,7 @@ cli_option cli_text(const char *name, const char *value, const char **to, const 
 cli_option cli_in(const char *name, const char *value, const char **to, const char *help);
 cli_option cli_out(const char *name, const char *value, const char **to, const char *help);
 
-/* A folder of outputs; files: what may be written there, as "*.svg result.json". */
+/* A folder of outputs; files: what may be written there, as "*.vtu result.json". */
 cli_option cli_out_folder(const char *name, const char *value, const char **to, const char *files,
                           const char *help);
 

@@ -13,13 +13,38 @@ int json_print(const char *name, json_t *value) {
     return json_save(name, value, NULL);
 }
 
+/* The members, then the figures, each on a line. */
+static bool dump(json_t *value, FILE *to) {
+    json_t *figures = json_object_get(value, "figures");
+    figures = json_is_array(figures) ? json_incref(figures) : NULL;
+    if (figures)
+        json_object_del(value, "figures");
+    char *text = json_dumps(value, LOOK);
+    size_t n = text ? strlen(text) : 0;
+    bool good = n > 2;
+    if (figures && good) {
+        fprintf(to, "%.*s,\n  \"figures\": [", (int)(n - 2), text); /* but for the last brace */
+        for (size_t i = 0; i < json_array_size(figures) && good; i++) {
+            fputs(i ? ",\n    " : "\n    ", to);
+            good = json_dumpf(json_array_get(figures, i), to,
+                              JSON_COMPACT | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15)) == 0 ||
+                   ferror(to);
+        }
+        fputs("\n  ]\n}\n", to);
+        json_object_set(value, "figures", figures);
+    } else if (text) {
+        fprintf(to, "%s\n", text);
+    }
+    json_decref(figures);
+    free(text);
+    return text && good;
+}
+
 int json_save(const char *name, json_t *value, const char *path) {
     palp_file to;
     int code = value ? cli_file_open(name, path, &to) : cli_failure(name, "out of memory");
     if (code == CLI_OK) {
-        bool bad = json_dumpf(value, to.stream, LOOK) != 0 && !ferror(to.stream);
-        putc('\n', to.stream);
-        if (bad) {
+        if (!dump(value, to.stream)) {
             palp_file_abandon(&to);
             code = cli_failure(name, "out of memory");
         } else {
@@ -30,21 +55,7 @@ int json_save(const char *name, json_t *value, const char *path) {
     return code;
 }
 
-int json_save_in(const char *name, json_t *value, const char *folder, const char *file) {
-    char path[CLI_PATH_MAX];
-    int n = snprintf(path, sizeof path, "%s/%s", folder, file);
-    if (n < 0 || (size_t)n >= sizeof path) {
-        json_decref(value);
-        return cli_failure(name, "%s: the name is too long", folder);
-    }
-    if (cli_folder(name, folder)) {
-        json_decref(value);
-        return CLI_FAILURE;
-    }
-    return json_save(name, value, path);
-}
-
-json_t *json_plain(const char *text) {
+json_t *json_text(const char *text) {
     char *copy = malloc(strlen(text) + 1);
     json_t *value = copy ? json_string(palp_text_make_plain(strcpy(copy, text))) : NULL;
     free(copy);

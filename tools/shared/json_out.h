@@ -9,10 +9,12 @@
 /* Prints a value with two spaces of indent and frees it; an exit code. NULL = out of memory. */
 int json_print(const char *name, json_t *value);
 
-/* Writes it to a file, under a temporary name first, and frees it; an exit code. NULL = out of memory. */
+/* Writes it to a file, under a temporary name first, and frees it; an exit code. NULL = out of memory. Of its
+ * member figures, if it has one, each takes a line: they are long. */
 int json_save(const char *name, json_t *value, const char *path);
-/* Makes the folder if need be. */
-int json_save_in(const char *name, json_t *value, const char *folder, const char *file);
+
+/* A file's name or another text from outside, made plain (palp_text_make_plain); NULL = out of memory. */
+json_t *json_text(const char *text);
 
 json_t *json_numbers(size_t n, const double *value);
 
@@ -22,9 +24,6 @@ void json_add_law(json_t *to, const palp_law *law);
 /* The member of a key; NAN or "-" if there is none of this type. */
 double json_number_at(const json_t *object, const char *key);
 const char *json_text_at(const json_t *object, const char *key);
-
-/* A file's name or another text from outside, made plain (palp_text_make_plain); NULL = out of memory. */
-json_t *json_plain(const char *text);
 
 /* A number, or null where it is not finite. */
 json_t *json_number_or_null(double value);

@@ -36,12 +36,12 @@ static bool same_file(const char *a, const char *b) {
     return !there && !too && strcmp(cli_base(a), cli_base(b)) == 0 && stands_together(a, b);
 }
 
-/* A folder's files that are read as recordings, models, results and figures. */
+/* A folder's files that are read as recordings, models and results. */
 static bool in_folder(const char *path, const char *folder) {
     char file[CLI_PATH_MAX];
     struct stat entry;
     const char *end = strrchr(path, '.');
-    bool kind = end && (strcmp(end, ".csv") == 0 || strcmp(end, ".json") == 0 || strcmp(end, ".svg") == 0);
+    bool kind = end && (strcmp(end, ".csv") == 0 || strcmp(end, ".json") == 0);
     int n = snprintf(file, sizeof file, "%s/%s", folder, cli_base(path));
     return kind && n > 0 && (size_t)n < sizeof file && stat(file, &entry) == 0 && same_file(path, file);
 }

@@ -2,14 +2,14 @@
 #include "plot_runs.h"
 
 #include "cli.h"
+#include "json_out.h"
 
 #include <math.h>
-#include <palpate/law.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { POINTS = 12000, LEAST_BINS = 100, MOST_BINS = 900, KEY_MAX = 14, LINES_MAX = 8, LAW_POINTS = 200 };
+enum { POINTS = 6000, LEAST_BINS = 60, MOST_BINS = 450, KEY_MAX = 14 };
 
 static const double FIRST_S = 10, LOG_FROM_S = 0.01;
 
@@ -17,6 +17,42 @@ bool run_before(const palp_recording *a, const palp_recording *b) {
     if (a->kind != b->kind)
         return a->kind < b->kind;
     return a->kind == PALP_RECORDING_RAMP_HOLD && a->deepest_m < b->deepest_m;
+}
+
+json_t *run_json(const palp_recording *r) {
+    static const char *const kinds[] = {"ramp", "ramp_hold", "other", "creep"};
+    static const char *const rules[] = {"given", "free air", "nominal"};
+    const struct {
+        const char *key;
+        double value;
+    } number[] = {{"duration_s", r->time_s[r->n - 1] - r->time_s[0]},
+                  {"rate_Hz", run_rate_Hz(r)},
+                  {"height_mm", 1e3 * r->height_m},
+                  {"deepest_mm", 1e3 * r->deepest_m},
+                  {"ramp_s", r->ramp_end_s - r->ramp_start_s},
+                  {"contact_mm", 1e3 * r->contact_m},
+                  {"contact_sd_mm", 1e3 * r->contact_sd_m},
+                  {"zero_N", r->zero_N},
+                  {"zero_sd_N", r->zero_sd_N},
+                  {"noise_N", r->noise_N},
+                  {"correlation", r->correlation},
+                  {"hum_Hz", r->hum_Hz},
+                  {"hum_N", r->hum_N},
+                  {"longest_gap_s", r->longest_gap_s}};
+    json_t *to = json_object();
+    json_object_set_new(to, "file", json_text(r->name));
+    json_object_set_new(to, "kind", json_string(kinds[r->kind]));
+    json_object_set_new(to, "contact_rule", json_string(rules[r->contact_rule]));
+    for (size_t i = 0; i < sizeof number / sizeof number[0]; i++)
+        json_object_set_new(to, number[i].key, json_number_or_null(number[i].value));
+    json_object_set_new(to, "samples", json_integer((json_int_t)r->n));
+    json_object_set_new(to, "missing", json_integer((json_int_t)r->n_missing));
+    json_object_set_new(to, "spikes", json_integer((json_int_t)r->n_spikes));
+    json_object_set_new(to, "clipped", json_integer((json_int_t)r->n_clipped));
+    json_object_set_new(to, "gaps", json_integer((json_int_t)r->n_gaps));
+    json_object_set_new(to, "fault", json_boolean(r->faulted));
+    json_object_set_new(to, "uneven", json_boolean(r->uneven));
+    return to;
 }
 
 /* ---- thinning ---- */
@@ -159,7 +195,7 @@ static void add_curve(curves *c, const run_curve *run, size_t k, const axis *a, 
 }
 
 /* Raw curves behind, then what is made of them. */
-static void draw_curves(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+static void draw_curves(json_t *figures, const char *name, const char *title, size_t n, const run_curve *run,
                         axis a, bool fit) {
     curves c;
     a.bins = (size_t)fmin(fmax((double)POINTS / (double)(2 * n), LEAST_BINS), MOST_BINS);
@@ -182,12 +218,10 @@ static void draw_curves(plot_book *book, const char *name, const char *title, si
             .n_panels = 1,
             .panel = {{.x_label = a.depth ? "depth (mm)" : "time from the start of the ramp (s)",
                        .y_label = "force (N)",
-                       .x_scale = a.log ? PLOT_LOG : PLOT_LINEAR,
+                       .x_log = a.log,
                        .n_series = c.used,
                        .series = c.series}}};
-        plot_draw(book, name, &figure);
-    } else {
-        book->result = PLOT_FAILED;
+        plot_draw(figures, name, &figure);
     }
     curves_free(&c);
 }
@@ -201,7 +235,7 @@ static double longest_s(size_t n, const run_curve *run) {
     return end;
 }
 
-void plot_runs_time(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+void plot_runs_time(json_t *figures, const char *name, const char *title, size_t n, const run_curve *run,
                     plot_time time, bool fit) {
     double end = longest_s(n, run);
     axis a = {false, time == PLOT_TIME_LOG,
@@ -210,16 +244,16 @@ void plot_runs_time(plot_book *book, const char *name, const char *title, size_t
         a.to = fmin(FIRST_S, end);
         a.from = -0.05 * a.to;
     }
-    draw_curves(book, name, title, n, run, a, fit);
+    draw_curves(figures, name, title, n, run, a, fit);
 }
 
-void plot_runs_depth(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+void plot_runs_depth(json_t *figures, const char *name, const char *title, size_t n, const run_curve *run,
                      bool fit) {
     const double AIR = 0.1; /* of the depth, before contact */
     double deepest = 0;
     for (size_t k = 0; k < n; k++)
         deepest = fmax(deepest, 1e3 * run[k].recording->deepest_m);
-    draw_curves(book, name, title, n, run, (axis){true, false, -AIR * deepest, HUGE_VAL, 0}, fit);
+    draw_curves(figures, name, title, n, run, (axis){true, false, -AIR * deepest, HUGE_VAL, 0}, fit);
 }
 
 /* ---- residuals ---- */
@@ -247,14 +281,13 @@ static size_t bin_means(const run_curve *run, const axis *a, double *x, double *
     return n;
 }
 
-void plot_runs_residual(plot_book *book, const char *name, const char *title, size_t n,
-                        const run_curve *run) {
+static void plot_residual(json_t *figures, const char *name, const char *title, size_t n,
+                          const run_curve *run) {
     enum { BINS = 120 };
     double end = longest_s(n, run);
     const axis a = {false, true, fmin(LOG_FROM_S, 0.01 * end), end, BINS};
     curves c;
     if (!curves_create(n, BINS, &c)) {
-        book->result = PLOT_FAILED;
         curves_free(&c);
         return;
     }
@@ -270,60 +303,31 @@ void plot_runs_residual(plot_book *book, const char *name, const char *title, si
     const plot_figure figure = {.title = title,
                                 .n_panels = 1,
                                 .panel = {{.x_label = "time from the start of the ramp (s)",
-                                           .y_label = "mean of (fit - measured) / noise of a sample",
-                                           .x_scale = PLOT_LOG,
+                                           .y_label = "(fit - measured) / noise",
+                                           .x_log = true,
                                            .n_series = c.used,
                                            .series = c.series}}};
     if (c.used > 0)
-        plot_draw(book, name, &figure);
+        plot_draw(figures, name, &figure);
     curves_free(&c);
 }
 
 /* ---- what is drawn of recordings and of a fit to them ---- */
 
-void plot_runs_recorded(plot_book *book, const char *title, size_t n, const run_curve *run) {
-    plot_runs_time(book, "recordings_linear", title, n, run, PLOT_TIME_LINEAR, false);
-    plot_runs_time(book, "recordings_log", title, n, run, PLOT_TIME_LOG, false);
-    plot_runs_time(book, "recordings_first", title, n, run, PLOT_TIME_FIRST, false);
+void plot_runs_recorded(json_t *figures, size_t n, const run_curve *run) {
+    static const char title[] = "Recordings: raw (light) and filtered (dark)";
+    plot_runs_time(figures, "recordings_linear", title, n, run, PLOT_TIME_LINEAR, false);
+    plot_runs_time(figures, "recordings_log", title, n, run, PLOT_TIME_LOG, false);
+    plot_runs_time(figures, "recordings_first", title, n, run, PLOT_TIME_FIRST, false);
 }
 
-void plot_runs_fitted(plot_book *book, const char *title, const char *depth_title, const char *residual_title,
-                      size_t n, const run_curve *run) {
-    plot_runs_time(book, "fit_linear", title, n, run, PLOT_TIME_LINEAR, true);
-    plot_runs_time(book, "fit_log", title, n, run, PLOT_TIME_LOG, true);
-    plot_runs_time(book, "fit_first", title, n, run, PLOT_TIME_FIRST, true);
-    plot_runs_depth(book, "fit_depth", depth_title, n, run, true);
-    plot_runs_residual(book, "residuals", residual_title, n, run);
-}
-
-/* ---- the stiffness law ---- */
-
-void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max,
-                         size_t n_lines, const law_line *line, const plot_series *band,
-                         const plot_series *points) {
-    double strain[LAW_POINTS], stiffness[LINES_MAX][LAW_POINTS];
-    plot_series series[LINES_MAX + 2];
-    size_t lines = n_lines < LINES_MAX ? n_lines : LINES_MAX, n = 0;
-    for (size_t i = 0; i < LAW_POINTS; i++) {
-        strain[i] = strain_max * (double)i / (LAW_POINTS - 1);
-        for (size_t k = 0; k < lines; k++)
-            palp_law_stiffness(&line[k].law, strain[i], &stiffness[k][i], NULL);
-    }
-    if (band)
-        series[n++] = *band;
-    for (size_t k = 0; k < lines; k++)
-        series[n++] =
-            (plot_series){line[k].title, line[k].dashed ? PLOT_DASHED : PLOT_LINE, (int)k, LAW_POINTS, strain,
-                          stiffness[k]};
-    if (points)
-        series[n++] = *points;
-    const plot_figure figure = {.title = title,
-                                .n_panels = 1,
-                                .panel = {{.x_label = "strain e",
-                                           .y_label = "stiffness K (N per unit strain)",
-                                           .n_series = n,
-                                           .series = series}}};
-    plot_draw(book, name, &figure);
+void plot_runs_fitted(json_t *figures, size_t n, const run_curve *run) {
+    static const char title[] = "Recordings (light) and the lumped model (dark)";
+    plot_runs_time(figures, "fit_linear", title, n, run, PLOT_TIME_LINEAR, true);
+    plot_runs_time(figures, "fit_log", title, n, run, PLOT_TIME_LOG, true);
+    plot_runs_time(figures, "fit_first", title, n, run, PLOT_TIME_FIRST, true);
+    plot_runs_depth(figures, "fit_depth", title, n, run, true);
+    plot_residual(figures, "residuals", "Residuals of the lumped model", n, run);
 }
 
 /* ---- the filter ---- */

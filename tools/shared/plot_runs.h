@@ -4,8 +4,10 @@
 
 #include "plot.h"
 
-#include <palpate/law.h>
 #include <palpate/recording.h>
+
+/* What is known of a recording before any fit, as characterize and report have it in their results. */
+json_t *run_json(const palp_recording *recording);
 
 /* A zero-phase Butterworth filter of this order, forward and backward. */
 enum { RUN_FILTER_ORDER = 4 };
@@ -24,33 +26,19 @@ bool run_before(const palp_recording *a, const palp_recording *b);
 typedef enum plot_time { PLOT_TIME_LINEAR, PLOT_TIME_LOG, PLOT_TIME_FIRST } plot_time;
 
 /* The figures recordings_linear, recordings_log and recordings_first. */
-void plot_runs_recorded(plot_book *book, const char *title, size_t n, const run_curve *run);
+void plot_runs_recorded(json_t *figures, size_t n, const run_curve *run);
 
-/* fit_linear, fit_log and fit_first, then fit_depth and residuals, each with a title of its own. */
-void plot_runs_fitted(plot_book *book, const char *title, const char *depth_title, const char *residual_title,
-                      size_t n, const run_curve *run);
+/* fit_linear, fit_log and fit_first, then fit_depth and residuals. */
+void plot_runs_fitted(json_t *figures, size_t n, const run_curve *run);
 
 /* Force against time from the start of the ramp: raw in a light tint, and over it the fit if fit, else
  * the filtered curve. PLOT_TIME_FIRST: the first 10 s. */
-void plot_runs_time(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+void plot_runs_time(json_t *figures, const char *name, const char *title, size_t n, const run_curve *run,
                     plot_time time, bool fit);
 
 /* Force against depth, likewise. */
-void plot_runs_depth(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run,
+void plot_runs_depth(json_t *figures, const char *name, const char *title, size_t n, const run_curve *run,
                      bool fit);
-
-/* Fit minus measured over the noise of a sample, against log time; means of bins even in log time. */
-void plot_runs_residual(plot_book *book, const char *name, const char *title, size_t n, const run_curve *run);
-
-/* K against strain: a band, lines (each a law) and points with error bars; band and points may be NULL. */
-typedef struct law_line {
-    const char *title;
-    palp_law law;
-    bool dashed;
-} law_line;
-void plot_runs_stiffness(plot_book *book, const char *name, const char *title, double strain_max,
-                         size_t n_lines, const law_line *line, const plot_series *band,
-                         const plot_series *points);
 
 /* The low-passed force of each stretch between gaps, malloc'ed; NULL where the samples are not even, the
  * cut-off is beyond them, or there is no memory. */

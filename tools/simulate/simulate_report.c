@@ -121,7 +121,7 @@ static json_t *summary(const simulate_options *o, const simulation *s) {
                              1e3 * s->unstable_m, "stable_strain", s->stable_m / s->height_m,
                              "unstable_strain", s->unstable_m / s->height_m);
     json_t *all = json_pack(
-        "{s:o, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:o}", "model", json_plain(o->model), "kind",
+        "{s:o, s:s, s:s, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:o}", "model", json_text(o->model), "kind",
         s->model.kind == PALP_MODEL_LUMPED ? "lumped" : "network", "protocol", protocol_kind(o, s),
         "peak_force_N", record_peak(c), "final_force_N", c->force_N[c->n - 1], "final_depth_mm",
         1e3 * c->depth_m[c->n - 1], "duration_s", c->time_s[c->n - 1], "steps", (json_int_t)s->info.steps,

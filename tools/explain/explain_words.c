@@ -1,0 +1,371 @@
+/* explain_words.c: what palpate explain found, in sentences: the terminal prints them, and the result has
+ * them for the page. A number that is none, or that contradicts another, is not printed. */
+#include "explain.h"
+#include "shared/json_out.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+enum { LINE = 512, CANDIDATES_SAID = 3 };
+
+static const char *effect_name(const char *id) {
+    palp_effect_id found;
+    return palp_effect_parse(id, &found) ? id : palp_effect_look_up(found)->name;
+}
+
+static const char *verdict_sentence(const char *verdict, double unexplained_N) {
+    static const char *const text[][2] = {
+        {"agrees", "Nothing is missing that these runs could show."},
+        {"explained", "With the effects below, what remains is at the noise level."},
+        {"ambiguous",
+         "The effects below close the gap, but others would do as well; they are named with each."},
+        {"suspected", "Something is missing; this recording suggests candidates, and a second one would have "
+                      "to confirm them."},
+        {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
+    };
+    if (strcmp(verdict, "agrees") == 0 && unexplained_N > 0)
+        return "What is left is more than noise, but below the practical limit.";
+    for (size_t i = 0; i < sizeof text / sizeof text[0]; i++)
+        if (strcmp(verdict, text[i][0]) == 0)
+            return text[i][1];
+    return verdict;
+}
+
+static const char *force_text(double force_N, char text[32]) {
+    static const struct {
+        const char *unit;
+        double size;
+    } units[] = {{"N", 1}, {"mN", 1e-3}, {"\u00b5N", 1e-6}, {"nN", 1e-9}, {"pN", 1e-12}};
+    size_t k = force_N == 0; /* 0 mN */
+    while (k + 1 < sizeof units / sizeof *units && force_N != 0 && fabs(force_N) < 0.9995 * units[k].size)
+        k++;
+    if (isfinite(force_N))
+        snprintf(text, 32, "%.3g %s", force_N / units[k].size, units[k].unit);
+    else
+        strcpy(text, "-");
+    return text;
+}
+
+static void name_list(const json_t *ids, size_t from, const char *between, char line[LINE]) {
+    size_t n = 0;
+    line[0] = '\0';
+    for (size_t i = from; i < json_array_size(ids) && n < LINE; i++) {
+        const char *id = json_string_value(json_array_get(ids, i));
+        n +=
+            (size_t)snprintf(line + n, LINE - n, "%s%s", i > from ? between : "", id ? effect_name(id) : "-");
+    }
+}
+
+static void add(json_t *story, const char *format, ...) {
+    char line[LINE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    json_array_append_new(story, json_text(line));
+}
+
+static bool is_verdict(const json_t *all, const char *name) {
+    return strcmp(json_text_at(all, "verdict"), name) == 0;
+}
+
+static bool one_recording(const json_t *all) {
+    return json_array_size(json_object_get(json_object_get(all, "profile"), "experiments")) == 1;
+}
+
+static void effect_names(const json_t *all, char line[LINE]) {
+    const json_t *list = json_object_get(all, "effects"), *effect;
+    size_t n = 0;
+    line[0] = '\0';
+    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL && n < LINE; i++)
+        n += (size_t)snprintf(line + n, LINE - n, "%s%s", i ? ", " : "",
+                              effect_name(json_text_at(effect, "id")));
+}
+
+/* ---- the gap ---- */
+
+static void add_gap(json_t *story, const json_t *all) {
+    const json_t *gap = json_object_get(all, "gap");
+    double before = json_number_at(gap, "heldout_before_N"), after = json_number_at(gap, "heldout_after_N"),
+           noise = json_number_at(gap, "noise_level_N");
+    char names[LINE], from[32], to[32], alone[32];
+    const char *where = one_recording(all) ? "" : " in experiments left out of the fit";
+    effect_names(all, names);
+    if (names[0])
+        add(story, "The model as given lacks: %s.", names);
+    if (!isfinite(before) || !isfinite(after) || !isfinite(noise)) {
+        add(story, "How far the recordings and the model are apart could not be computed.");
+        return;
+    }
+    force_text(before, from);
+    force_text(after, to);
+    force_text(noise, alone);
+    if (names[0])
+        add(story, "Once that is added, recorded minus model%s %s from %s, rms, to %s. Noise alone makes %s.",
+            where, after <= before ? "falls" : "goes up", from, to, alone);
+    else if (one_recording(all))
+        add(story, "With its numbers refitted, recorded minus model is %s, rms. Noise alone makes %s.", to,
+            alone);
+    else
+        add(story,
+            "With its numbers refitted, recorded minus model%s is %s, rms, if all runs have one zero, "
+            "contact and gain, and %s if each "
+            "has its own. Noise alone makes %s.",
+            where, from, to, alone);
+}
+
+static void add_rest(json_t *story, const json_t *all) {
+    const json_t *gap = json_object_get(all, "gap");
+    double rest = json_number_at(gap, "unexplained_N"), after = json_number_at(gap, "heldout_after_N"),
+           noise = json_number_at(gap, "noise_level_N");
+    bool some = json_array_size(json_object_get(all, "effects")) > 0, below = after <= noise,
+         known = isfinite(rest) && rest > 0;
+    char force[32];
+    force_text(rest, force);
+    if (is_verdict(all, "agrees") && known)
+        add(story,
+            "What is above that, %s, is less than two thirds of the noise level or the practical limit.",
+            force);
+    if (!is_verdict(all, "unexplained") && !is_verdict(all, "suspected"))
+        return;
+    if (known)
+        add(story, "Beyond noise %s, rms, of structure remain%s.", force,
+            below ? ": together with the noise no more than was expected of it, but of a shape that noise "
+                    "has not"
+                  : "");
+    if (is_verdict(all, "suspected"))
+        add(story,
+            "An effect is named when a second experiment confirms it; until then its candidates are ranked.");
+    else
+        add(story, some ? "The effects named are there, but they are not all."
+                        : "No effect is named: none closes enough of the gap to be more than a mimic.");
+}
+
+/* ---- what else differs ---- */
+
+static void add_law(json_t *story, const json_t *all) {
+    const json_t *law = json_object_get(all, "law");
+    char before[32], after[32];
+    if (!json_is_object(law))
+        return;
+    force_text(json_number_at(law, "gap_before_N"), before);
+    force_text(json_number_at(law, "gap_after_N"), after);
+    const bool driven = json_is_true(json_object_get(law, "better_quasi_linear")),
+               others = driven != json_is_true(json_object_get(law, "given_quasi_linear")),
+               same =
+                   json_number_at(law, "better_coefficients") == json_number_at(law, "given_coefficients") &&
+                   strcmp(json_text_at(law, "better"), json_text_at(law, "given")) == 0;
+    if (others)
+        add(story, "%s",
+            driven ? "The arms are quasi-linear: the elastic force drives them, not the strain (Fung)."
+                   : "The arms are linear: the strain drives them, not the elastic force.");
+    if (!same)
+        add(story,
+            "The stiffness law is another one: a %s with %.0f coefficients in place of a %s with %.0f.",
+            json_text_at(law, "better"), json_number_at(law, "better_coefficients"),
+            json_text_at(law, "given"), json_number_at(law, "given_coefficients"));
+    add(story, "The %s would leave %s, rms, this one leaves %s.", others ? "given material" : "given law",
+        before, after);
+}
+
+static bool has_scatter(const json_t *all, const char *id) {
+    const json_t *list = json_object_get(all, "scatter"), *one;
+    for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++)
+        if (strcmp(json_text_at(one, "id"), id) == 0)
+            return true;
+    return false;
+}
+
+static void add_scatter(json_t *story, const json_t *all) {
+    static const struct {
+        const char *id, *what, *key, *unit;
+        double per;
+    } kinds[] = {{"zero_scatter", "zeros of the runs", "sd_N", "N", 1},
+                 {"contact_scatter", "contacts of the runs", "sd_mm", "mm", 1},
+                 {"gain_scatter", "gains of the runs", "sd_share", "%", 100},
+                 {"specimen_stiffness", "stiffnesses of the specimens", "sd_share", "%", 100}};
+    const json_t *list = json_object_get(all, "scatter"), *one;
+    char before[32], after[32];
+    for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++)
+        for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+            double sd = kinds[k].per * json_number_at(one, kinds[k].key);
+            if (strcmp(json_text_at(one, "id"), kinds[k].id) != 0 || !isfinite(sd))
+                continue;
+            force_text(json_number_at(one, "gap_before_N"), before);
+            force_text(json_number_at(one, "gap_after_N"), after);
+            add(story,
+                "The %s differ by %.3g %s (standard deviation): without that %s, rms, would be left, not %s.",
+                kinds[k].what, sd, kinds[k].unit, before, after);
+        }
+}
+
+/* "a could as well be b, c" of each effect that is not alone in its class. */
+static void add_classes(json_t *story, const json_t *all) {
+    const json_t *list = json_object_get(all, "effects"), *effect;
+    char alike[LINE];
+    for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
+        name_list(json_object_get(effect, "class"), 1, " or ", alike);
+        if (alike[0])
+            add(story, "What is called %s here could as well be %s: these runs cannot tell.",
+                effect_name(json_text_at(effect, "id")), alike);
+    }
+}
+
+static json_t *tell(const json_t *all) {
+    json_t *story = json_array();
+    bool law_alone = is_verdict(all, "explained") && json_array_size(json_object_get(all, "effects")) == 0;
+    bool specimens = has_scatter(all, "specimen_stiffness") && !json_is_object(json_object_get(all, "law"));
+    add(story, "%s",
+        law_alone ? specimens ? "With a stiffness of each specimen what remains is at the noise level: no "
+                                "effect is missing."
+                              : "With another law of the material what remains is at the noise level: no "
+                                "effect is missing."
+                  : verdict_sentence(json_text_at(all, "verdict"),
+                                     json_number_at(json_object_get(all, "gap"), "unexplained_N")));
+    if (json_is_true(json_object_get(all, "stopped")))
+        add(story, "The search was stopped early: effects may be missing that were not tried.");
+    add_gap(story, all);
+    add_law(story, all);
+    add_scatter(story, all);
+    add_rest(story, all);
+    add_classes(story, all);
+    return story;
+}
+
+/* ---- what to measure next ---- */
+
+static void kind_words(const json_t *run, char text[LINE]) {
+    const char *kind = json_text_at(run, "kind");
+    double depth = json_number_at(run, "depth_mm"), rate = json_number_at(run, "rate_mm_s"),
+           hold = json_number_at(run, "hold_s"), cycles = json_number_at(run, "cycles");
+    if (strcmp(kind, "ramp_hold") == 0)
+        snprintf(text, LINE, "a ramp to %.3g mm at %.3g mm/s, held for %.3g s", depth, rate, hold);
+    else if (strcmp(kind, "static") == 0)
+        snprintf(text, LINE, "a slow press to %.3g mm at %.3g mm/s and back", depth, rate);
+    else if (strcmp(kind, "cyclic") == 0)
+        snprintf(text, LINE, "%.0f cycles to %.3g mm at %.3g mm/s", cycles, depth, rate);
+    else if (strcmp(kind, "free") == 0)
+        snprintf(text, LINE, "a stroke of %.3g mm in the air at %.3g mm/s", depth, rate);
+    else
+        snprintf(text, LINE, "%.100s to %.3g mm", kind, depth);
+}
+
+/* Where most is left. */
+static void repeat_words(const json_t *all, char text[2 * LINE]) {
+    const json_t *runs = json_object_get(json_object_get(all, "profile"), "experiments"), *run, *worst = NULL;
+    char force[32];
+    for (size_t i = 0; (run = json_array_get(runs, i)) != NULL; i++)
+        if (!worst || json_number_at(run, "after_N") > json_number_at(worst, "after_N"))
+            worst = run;
+    if (json_array_size(runs) == 1)
+        snprintf(text, 2 * LINE,
+                 "Press again the same way, and once more at another depth and speed: what comes back is no "
+                 "accident.");
+    else
+        snprintf(text, 2 * LINE,
+                 "For what has no name no experiment can be computed. Repeat %s, where most is left (%s "
+                 "rms): what comes back is no "
+                 "accident.",
+                 worst ? cli_base(json_text_at(worst, "experiment")) : "an experiment",
+                 force_text(worst ? json_number_at(worst, "after_N") : NAN, force));
+}
+
+static void next_text(const json_t *all, char text[2 * LINE]) {
+    const json_t *next = json_object_get(all, "next_experiment"), *run = json_object_get(next, "run");
+    const char *verdict = json_text_at(all, "verdict");
+    char what[LINE], both[LINE], apart[32], noise[32];
+    name_list(json_object_get(next, "between"), 0, " and ", both);
+    if (json_is_object(run)) {
+        kind_words(run, what);
+        snprintf(text, 2 * LINE,
+                 "Measure %.300s. Both %.300s fit the runs there are; in this run the forces they predict "
+                 "are %s apart, rms, after a zero "
+                 "and a gain of the run's own (the noise level is %s).",
+                 what, both, force_text(json_number_at(next, "separation_N"), apart),
+                 force_text(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
+    } else if (json_is_object(next)) {
+        snprintf(text, 2 * LINE, "No run that the indenter can do tells %s apart.", both);
+    } else if (strcmp(verdict, "unexplained") == 0 || strcmp(verdict, "suspected") == 0) {
+        repeat_words(all, text);
+    } else {
+        snprintf(text, 2 * LINE, "Nothing is left to be told apart.%s",
+                 json_array_size(json_object_get(all, "not_identifiable")) > 0
+                     ? " What these runs cannot show, the page and the result list."
+                     : "");
+    }
+}
+
+/* ---- on the terminal ---- */
+
+static void say_effect(FILE *to, const json_t *effect) {
+    const json_t *value;
+    const char *key;
+    fprintf(to, "  %s:", json_text_at(effect, "id"));
+    json_object_foreach(json_object_get(effect, "parameters"), key, value) {
+        const json_t *pair = json_object_get(json_object_get(effect, "intervals"), key),
+                     *low = json_array_get(pair, 0), *high = json_array_get(pair, 1);
+        if (json_is_number(value))
+            fprintf(to, " %s %.4g", key, json_number_value(value));
+        if (json_is_number(low) && json_is_number(high) && json_number_value(low) <= json_number_value(high))
+            fprintf(to, " (%.4g to %.4g)", json_number_value(low), json_number_value(high));
+        fputc(',', to);
+    }
+    if (isfinite(json_number_at(effect, "evidence")))
+        fprintf(to, " evidence %.3g nats,", json_number_at(effect, "evidence"));
+    double closed = json_number_at(effect, "gap_closed");
+    if (isfinite(closed))
+        fprintf(to, " closes %.0f %% of the gap", 100 * fmax(0, fmin(1, closed)));
+    else
+        fputs(" share of the gap not known", to);
+    if (json_is_true(json_object_get(effect, "recovers")))
+        fputs(", gone before the next run of the session", to);
+    fputc('\n', to);
+}
+
+/* Of the candidates that gain anything and were not taken the one that gains most after last, or NULL; last
+ * NULL: the first. */
+static const json_t *candidate_after(const json_t *all, const json_t *last) {
+    const json_t *list = json_object_get(all, "rejected"), *one, *best = NULL;
+    for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++) {
+        double score = json_number_at(one, "score");
+        bool next = isfinite(score) && score > 0 && (!last || score < json_number_at(last, "score"));
+        if (next && (!best || score > json_number_at(best, "score")))
+            best = one;
+    }
+    return best;
+}
+
+static void say_candidates(FILE *to, const json_t *all) {
+    const json_t *one = candidate_after(all, NULL);
+    for (int n = 0; n < CANDIDATES_SAID && one; n++, one = candidate_after(all, one))
+        fprintf(to, "candidate %s: evidence %.3g nats; not taken: %s\n", json_text_at(one, "id"),
+                json_number_at(one, "score"), json_text_at(one, "reason"));
+}
+
+void explain_say(FILE *to, const json_t *all) {
+    const json_t *story = json_object_get(all, "sentences");
+    fprintf(to, "%s: ", json_text_at(all, "verdict"));
+    for (size_t i = 0; i < json_array_size(story); i++)
+        fprintf(to, "%s\n", json_string_value(json_array_get(story, i)));
+    for (size_t i = 0; i < json_array_size(json_object_get(all, "effects")); i++)
+        say_effect(to, json_array_get(json_object_get(all, "effects"), i));
+    say_candidates(to, all);
+    fprintf(to, "next: %s\n", json_text_at(all, "next_sentence"));
+}
+
+/* ---- in the result ---- */
+
+void explain_add_words(json_t *all) {
+    json_t *names = json_object();
+    char next[2 * LINE];
+    next_text(all, next);
+    json_object_set_new(all, "sentences", tell(all));
+    json_object_set_new(all, "next_sentence", json_text(next));
+    for (int id = 0; id < PALP_EFFECT_COUNT; id++) {
+        const palp_effect_info *effect = palp_effect_look_up((palp_effect_id)id);
+        json_object_set_new(names, effect->id,
+                            json_pack("{s:s, s:s}", "name", effect->name, "means", effect->means));
+    }
+    json_object_set_new(all, "catalogue", names);
+}
