@@ -114,7 +114,12 @@ grep -qF 'seed/air_before.csv: no specimen in it ("none"); left out' err || fail
 expect 1 characterize block/static_0.05mm.csv seed/air_before.csv
 grep -q "no recording of a specimen among the 2 given" err || fail "characterize of nothing: $(cat err)"
 expect 0 report runs/ramp_hold_4mm.csv seed/air_before.csv --out page.html
-grep -q '<td>air_before.csv</td><td class="t">no specimen</td>' page.html || fail "report of air"
+in_page page.html
+python3 - <<'END' || fail "report of air: it is listed, and no recording of a specimen"
+import json
+run, = (r for r in json.load(open("shown"))["recordings"] if r["file"] == "seed/air_before.csv")
+assert run == {"file": "seed/air_before.csv", "note": ""}, run
+END
 
 # ---- faults: exit code 4, one line of why and where, and the file up to there ----
 for f in over_force over_travel over_temperature following_error sensor_silent sensor_saturated encoder_jump \

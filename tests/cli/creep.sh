@@ -43,5 +43,6 @@ expect 0 characterize dwell/*.csv --degree 5 --arms 2 --out five.model.json
 expect 0 explain --model five.model.json creep/creep.csv
 grep -qE '^(agrees|suspected)' out || fail "explain: $(cat out)"
 expect 0 report creep/creep.csv creep.model.json --out page.html
-grep -q '>creep<' page.html || fail "the page does not say creep"
+in_page page.html
+grep -q '"kind": "creep"' shown || fail "the page does not say creep: $(grep '"kind"' shown)"
 done_testing

@@ -136,7 +136,7 @@ static int read_board(const char *name, const char *port, bool usb, const char *
 /* Which kind of board it is, by the firmware that is in it. */
 static int ask_board(const char *name, const char *port, bool usb, char kind[KIND]) {
     const char *place = getenv("TMPDIR");
-    char folder[64], path[sizeof folder + 8];
+    char folder[CLI_PATH_MAX], path[sizeof folder + 8];
     beginning b;
     int n = snprintf(folder, sizeof folder, "%s/palpate.XXXXXX", place && *place ? place : "/tmp");
     if (n >= (int)sizeof folder || !mkdtemp(folder))

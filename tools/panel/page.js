@@ -21,7 +21,8 @@ async function order(path, body) {
 
 async function emergency() {
   $("emergency").classList.add("pressed");
-  const got = await order("/emergency");
+  let got = null; /* a server that is crowded may close this connection unread: ask again */
+  for (let tries = 0; tries < 20 && !got; tries++) got = await order("/emergency");
   if (!got) note("The panel has not answered to the emergency stop: press the indenter's switch.", true);
   else if (!got.stopped) note("The indenter has not answered to the emergency stop: press its switch.", true);
 }
