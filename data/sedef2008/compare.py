@@ -115,7 +115,8 @@ def shared(table, arms):
 # ---- Chapter 5: loops of a network ----
 
 def table_5_1(_):
-    fit = palpate("calibrate", LUMPED, "--nodes", 3, "--stage", "static", "--method", "fixed_point", "--json")
+    fit = palpate("calibrate", LUMPED, "--nodes", 3, "--scaling", "none", "--stage", "static",
+                  "--method", "fixed_point", "--json")
     for i, (row, it) in enumerate(zip(rows("5.1"), fit["iterations"]), 1):
         ours = {"optimum_" + k: c for k, c in zip(LAW, it["coefficients_N"])}
         yield "iteration %d" % i, {**ours, "residual_N": it["residual"]}, row

@@ -98,7 +98,8 @@ def static(o):
 def network(o):
     arm = rows("table_4_4.csv")[0]
     truth = write(o.dir, "truth.json", lumped(LAW, [(arm["K1_N"], arm["b1_Ns"])]))
-    run("calibrate", truth, "--nodes", o.nodes, "--stage", "all", "--out", os.path.join(o.dir, "model.json"))
+    run("calibrate", truth, "--nodes", o.nodes, "--scaling", "none", "--stage", "all",
+        "--out", os.path.join(o.dir, "model.json"))
     for seed, depth in enumerate((2, 4, 6, 8, 9)):
         hold(o, truth, "%dmm" % depth, seed + 1, depth)
 

@@ -70,22 +70,24 @@ PALP_API const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh);
 PALP_API size_t palp_mesh_triangle_count(const palp_mesh *mesh);
 PALP_API const int32_t *palp_mesh_triangles(const palp_mesh *mesh);
 
-/* How the elements of a mesh of tetrahedra share in a solid's stiffness. An element's force is its factor
+/* How the elements of a mesh share in a solid's stiffness. An element's force is its factor
  * times what the material says, F = s (K(|e|) e + sum q), so K / area is the modulus of the solid (Poisson's
  * ratio 1/4) at small strain, whatever the mesh. */
 typedef enum palp_mesh_scaling {
     PALP_SCALING_NONE,   /* all factors 1: what K means depends on the mesh */
     PALP_SCALING_VOLUME, /* s = V / (L area), V the volume of the tetrahedra around the edge (Van Gelder 1998)
                           */
-    PALP_SCALING_CONTINUUM /* elements across the faces too, between the corners opposite a face that two
-                              tetrahedra share, and factors fitted to the nodal forces of the evenly strained
-                              solid, by least squares, none below a fifth of its part by volume
-                              (doc/meshes.md) */
+    PALP_SCALING_CONTINUUM /* tetrahedra: elements across the faces too, between the corners opposite a face
+                              that two tetrahedra share, and factors fitted to the nodal forces of the evenly
+                              strained solid, by least squares, none below a fifth of its part by volume
+                              (doc/meshes.md); hexahedra, as those of a lattice: each gives its elements what
+                              makes it isotropic (doc/numerics.md) */
 } palp_mesh_scaling;
 
 /* Scales the elements, once. area_m2 = 0: the mesh's volume over its height (y). ERR_UNSUPPORTED if an edge
- * of a tetrahedron is no element, or for hexahedra; ERR_INPUT for an element with nothing but flat tetrahedra
- * around it; ERR_ARGUMENT if scaled before. After ERR_INPUT or ERR_NO_MEMORY the mesh is good for
+ * of a tetrahedron or a diagonal of a hexahedron is no element, for hexahedra by volume, and for a mesh of
+ * both; ERR_INPUT for an element with nothing but flat tetrahedra or a hexahedron of no volume around it;
+ * ERR_ARGUMENT if scaled before. After ERR_INPUT or ERR_NO_MEMORY the mesh is good for
  * palp_mesh_free only. */
 PALP_API palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2,
                                      palp_error *error);

@@ -26,7 +26,7 @@ typedef struct palp_mesh_source {
     char folder[PALP_PATH_MAX];       /* file: where a relative path starts; "" = working directory */
     double scale_m;                   /* file: metres per unit; default 0.001 */
     bool hex_diagonals;               /* file */
-    palp_mesh_scaling scaling;        /* file: see palp_mesh_scale; default none */
+    palp_mesh_scaling scaling;        /* see palp_mesh_scale; default none */
     double area_m2;                   /* of the scaling; 0 = the mesh's volume over its height */
 } palp_mesh_source;
 

@@ -45,9 +45,9 @@ typedef struct palp_contact_settings {
     double grasp_stiffness; /* of the spring to a grasped node's target, in the same units; 100 */
     double smoothing;       /* depth at which the penalty becomes linear, of the surface's mean edge; 0.01 */
     /* Times that each triangle of the surface becomes four for tools to touch, see palp_tool; at most 4.
-     * 0 = tools touch the mesh's own. 2 for a sphere of the mesh's edges in size, 3 for a smaller one. The
-     * penalty of spheres and capsules is then softer by a fixed factor, so that it feels as it does without.
-     */
+     * 0 = tools touch the mesh's own. 2 for a sphere of the mesh's edges in size, 3 for a smaller one. For
+     * spheres and capsules stiffness then plays no part: each vertex yields by what the mesh lacks of the
+     * tissue below it (doc/numerics.md), so that force hardly depends on the spacing of the nodes. */
     size_t subdivisions;
     size_t max_contacts;    /* points near tools at once, further ones are not felt; 0 = all there can be */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */

@@ -71,10 +71,13 @@ typedef struct contact_set {
     size_t n_contacts;
     const int32_t *surface; /* [3 n_surface] triangles, outward; the caller's */
     size_t n_surface;
-    int32_t *triangles; /* [n_nodes] of the surface that meet in a node */
-    const double *unit; /* [n_nodes] a node's own stiffness over that of an element, 1/m; the caller's */
-    double modulus;     /* instantaneous stiffness of an element at rest, N; set by the caller before place */
-    double edge;        /* mean edge of the surface at rest, m */
+    int32_t *triangles;  /* [n_nodes] of the surface that meet in a node */
+    const double *unit;  /* [n_nodes] a node's own stiffness over that of an element, 1/m; the caller's */
+    const double *local; /* of a smooth surface: [n_nodes] Young's modulus times a point's area, over spacing
+                            and the stiffness of an element, 1/m; or NULL */
+    double spacing;      /* of the mesh's own nodes on that surface, m */
+    double modulus; /* instantaneous stiffness of an element at rest, N; set by the caller before place */
+    double edge;    /* mean edge of the surface at rest, m */
     contact_points points; /* if first is not NULL tools of all shapes touch these nodes, not triangles */
     contact_state now, next;
 } contact_set;

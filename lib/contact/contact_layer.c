@@ -1,7 +1,29 @@
 /* contact_layer.c: tools that touch a skin in place of a network's triangles. */
 #include "contact_term.h"
 
+#include "mesh/mesh_internal.h"
+
 #include <string.h>
+
+/* Young's modulus times a vertex's part of the surface, over the spacing and the stiffness of an element,
+ * 1/m. */
+static double *local_stiffness(arena *memory, const palp_network *net, const skin *s, double *spacing) {
+    const size_t parts = s->n_triangles / net->n_surface;
+    double *local = arena_take(memory, s->n, sizeof *local), sum = 0.0;
+    const double modulus = network_shared_length(net) / (6.0 * mesh_volume(net->mesh, NULL));
+    for (size_t i = 0; i < 3 * s->n_triangles && local; i++) {
+        const int32_t *t = net->surface + 3 * (i / 3 / parts);
+        double first[3], second[3], normal[3];
+        along3(net->rest + 3 * t[1], -1.0, net->rest + 3 * t[0], first);
+        along3(net->rest + 3 * t[2], -1.0, net->rest + 3 * t[0], second);
+        cross3(first, second, normal);
+        const double edge = pow(dot3(normal, normal), 0.25); /* of the square that is twice the triangle */
+        local[s->triangle[i]] += modulus * edge / (6.0 * (double)parts);
+        sum += edge;
+    }
+    *spacing = sum / (3.0 * (double)s->n_triangles);
+    return local;
+}
 
 contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tools,
                          const palp_contact_settings *settings, contact_set *set) {
@@ -26,6 +48,7 @@ contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tool
     l->half = arena_take(memory, 27 * s->room, sizeof *l->half);
     contact_set_create(set, memory, s->n, s->rest, s->n_triangles, s->triangle, s->unit, net->extent,
                        max_tools, settings);
+    set->local = local_stiffness(memory, net, s, &set->spacing);
     return l;
 }
 

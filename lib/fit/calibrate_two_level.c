@@ -33,16 +33,6 @@ static size_t sample_of(const two_level *c, size_t press) {
     return (press + 1) * c->n / c->n_presses - 1;
 }
 
-/* Sum of the elements' rest lengths, each times its element's factor. The energy of an even strain is
- * proportional to this sum and to the law: networks of one body are the same material when their laws are
- * inversely proportional to it. */
-static double shared_length(const palp_network *net) {
-    double sum = 0.0;
-    for (size_t i = 0; i < net->n_elements; i++)
-        sum += (net->scale ? net->scale[i] : 1.0) / net->inverse_rest[i];
-    return sum;
-}
-
 /* Presses the large network down its branch. With PALP_BRANCH_CONTINUE as far as each step is solved at once:
  * where it is not, the network has begun to buckle. With PALP_BRANCH_STABLE each descends as long as it takes
  * to the next stable place. force[n_presses]. */
@@ -186,7 +176,7 @@ palp_status palp_calibrate_two_level(palp_network *network, palp_network *coarse
                    .n_presses = n < PRESSES ? n : PRESSES,
                    .result = result,
                    .material = *start,
-                   .share = shared_length(coarse) / shared_length(network)};
+                   .share = network_shared_length(coarse) / network_shared_length(network)};
     palp_realtime_settings realtime = palp_realtime_settings_default();
     double miss = HUGE_VAL, before = HUGE_VAL;
     memset(result, 0, sizeof *result);

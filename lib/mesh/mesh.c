@@ -48,8 +48,9 @@ palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
     memcpy(m->pairs, mesh->pairs, 2 * mesh->n_elements * sizeof *m->pairs);
     m->n_tetrahedra = mesh->n_tetrahedra;
     m->n_triangles = mesh->n_triangles;
-    m->split = mesh->split;
+    m->n_hexahedra = mesh->n_hexahedra;
     m->tetrahedra = copy_of(m, 4 * m->n_tetrahedra, sizeof *m->tetrahedra, mesh->tetrahedra);
+    m->hexahedra = copy_of(m, 8 * m->n_hexahedra, sizeof *m->hexahedra, mesh->hexahedra);
     m->triangles = copy_of(m, 3 * m->n_triangles, sizeof *m->triangles, mesh->triangles);
     m->scale = copy_of(m, m->n_elements, sizeof *m->scale, mesh->scale);
     m->order = copy_of(m, m->n_elements, sizeof *m->order, mesh->order);
@@ -61,6 +62,19 @@ palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
     }
     *copy = m;
     return PALP_OK;
+}
+
+double mesh_direction(const palp_mesh *mesh, const int32_t pair[2], double n[3]) {
+    const double *a = mesh->x_m + 3 * (size_t)pair[0], *b = mesh->x_m + 3 * (size_t)pair[1];
+    double square = 0.0;
+    for (size_t k = 0; k < 3; k++) {
+        n[k] = b[k] - a[k];
+        square += n[k] * n[k];
+    }
+    double length = sqrt(square);
+    for (size_t k = 0; k < 3; k++)
+        n[k] /= length;
+    return length;
 }
 
 /* ---- checks -------------------------------------------------------------------------------------- */

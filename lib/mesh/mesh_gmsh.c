@@ -131,9 +131,10 @@ static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
     const gmsh_node *nodes = r->nodes.items;
     size_t n = 0;
     for (size_t c = 0; c < r->cells.n; c++)
-        n += cells[c].n == 4 ? 1 : 6;
-    mesh->tetrahedra = arena_take(&mesh->memory, 4 * n, sizeof *mesh->tetrahedra);
-    if (!mesh->tetrahedra)
+        n += cells[c].n != 4;
+    mesh->tetrahedra = arena_take(&mesh->memory, 4 * (r->cells.n + 5 * n), sizeof *mesh->tetrahedra);
+    mesh->hexahedra = n > 0 ? arena_take(&mesh->memory, 8 * n, sizeof *mesh->hexahedra) : NULL;
+    if (mesh->memory.failed)
         return gmsh_no_memory(r);
     for (size_t c = 0; c < r->cells.n; c++) {
         int32_t node[GMSH_CELL_NODES];

@@ -19,10 +19,11 @@ struct palp_mesh {
     double *x_m;    /* [3 n_nodes] */
     int32_t *pairs; /* [2 n_elements] */
     size_t *order;  /* [n_elements] elements by lower, then higher node, or NULL: they stand so */
-    size_t n_tetrahedra, n_triangles;
+    size_t n_tetrahedra, n_triangles, n_hexahedra;
     int32_t *tetrahedra, *triangles; /* [4 n_tetrahedra], [3 n_triangles], or NULL */
-    double *scale;                   /* [n_elements] factor of each element's force, or NULL = all 1 */
-    bool split; /* some tetrahedra are parts of hexahedra, to whose symmetry they do not keep */
+    int32_t *hexahedra; /* [8 n_hexahedra] in Gmsh's order, or NULL; each is six tetrahedra too, to whose
+                           parts its symmetry does not keep */
+    double *scale;      /* [n_elements] factor of each element's force, or NULL = all 1 */
     size_t n_sets;
     node_set *sets; /* [n_sets] */
 };
@@ -33,8 +34,8 @@ palp_status mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh);
 /* A copy with arrays of its own. */
 palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy);
 
-/* Appends the tetrahedra of a tetrahedron or hexahedron of n nodes (Gmsh's order) to mesh->tetrahedra, where
- * the caller made room. */
+/* Appends a tetrahedron or hexahedron of n nodes (Gmsh's order) to mesh->tetrahedra and mesh->hexahedra,
+ * where the caller made room. */
 void mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node);
 
 /* Makes the triangles from the tetrahedra. */
@@ -75,5 +76,15 @@ size_t mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const
 /* Number of connected parts of a mesh, and the lowest node that no elements lead to from node 0; n_nodes if
  * there is none. ERR_NO_MEMORY. */
 palp_status mesh_part_away(const palp_mesh *mesh, size_t *parts, size_t *away);
+
+/* Unit vector along the element between two nodes; returns its length. */
+double mesh_direction(const palp_mesh *mesh, const int32_t pair[2], double n[3]);
+
+/* Does the mesh consist of hexahedra alone, with elements along all their edges and diagonals? */
+bool mesh_has_cells(const palp_mesh *mesh);
+
+/* Adds to mesh->scale, which is zero, what each hexahedron gives to its elements. ERR_INPUT: one has no
+ * volume. */
+palp_status mesh_scale_cells(palp_mesh *mesh, double area_m2, palp_error *error);
 
 #endif

@@ -87,7 +87,8 @@ static palp_status put_in_order(palp_mesh *mesh) {
 static palp_status add_tetrahedra(palp_mesh *mesh, const size_t nodes[3]) {
     size_t boxes = (nodes[0] - 1) * (nodes[1] - 1) * (nodes[2] - 1), sx = nodes[1] * nodes[2], sy = nodes[2];
     mesh->tetrahedra = arena_take(&mesh->memory, boxes * 24, sizeof *mesh->tetrahedra);
-    if (!mesh->tetrahedra)
+    mesh->hexahedra = arena_take(&mesh->memory, boxes * 8, sizeof *mesh->hexahedra);
+    if (!mesh->tetrahedra || !mesh->hexahedra)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i + 1 < nodes[0]; i++)
         for (size_t j = 0; j + 1 < nodes[1]; j++)

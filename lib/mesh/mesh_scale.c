@@ -21,19 +21,6 @@ static const double SHORTEST = 0.2; /* element across a face, of the face's long
 
 /* ---- geometry ------------------------------------------------------------------------------------ */
 
-static double direction(const palp_mesh *mesh, const int32_t pair[2], double n[3]) {
-    const double *a = mesh->x_m + 3 * (size_t)pair[0], *b = mesh->x_m + 3 * (size_t)pair[1];
-    double square = 0.0;
-    for (size_t k = 0; k < 3; k++) {
-        n[k] = b[k] - a[k];
-        square += n[k] * n[k];
-    }
-    double length = sqrt(square);
-    for (size_t k = 0; k < 3; k++)
-        n[k] /= length;
-    return length;
-}
-
 /* Volume; area[i] = three times the volume's derivative by corner i, i.e. volume times its shape function's
  * gradient is area[i] / 3. */
 static double measure(const palp_mesh *mesh, const int32_t t[4], double area[4][3]) {
@@ -89,11 +76,11 @@ static bool across(const palp_mesh *mesh, const int32_t *neighbour, size_t i, si
         return false;
     mesh_face(t, f, face);
     for (size_t k = 0; k < 3; k++)
-        longest = fmax(longest, direction(mesh, (int32_t[]){face[k], face[(k + 1) % 3]}, n));
+        longest = fmax(longest, mesh_direction(mesh, (int32_t[]){face[k], face[(k + 1) % 3]}, n));
     int32_t a = t[f], b = other_corner(t, mesh->tetrahedra + 4 * (size_t)beyond);
     pair[0] = a < b ? a : b;
     pair[1] = a < b ? b : a;
-    return direction(mesh, pair, n) > SHORTEST * longest;
+    return mesh_direction(mesh, pair, n) > SHORTEST * longest;
 }
 
 static palp_status join_across(palp_mesh *mesh, const int32_t *neighbour) {
@@ -192,7 +179,7 @@ static void sweep(palp_mesh *mesh, const double *weight, const double *least, do
         const size_t first = (size_t)mesh->pairs[2 * i], second = (size_t)mesh->pairs[2 * i + 1];
         const double *a = unbalance + CUBE * first, *b = unbalance + CUBE * second;
         double slope = 0.0;
-        direction(mesh, mesh->pairs + 2 * i, n);
+        mesh_direction(mesh, mesh->pairs + 2 * i, n);
         cube_of(n, w);
         for (size_t j = 0; j < CUBE; j++)
             slope += times[j] * w[j] * (weight[second] * b[j] - weight[first] * a[j]);
@@ -206,7 +193,7 @@ static void sweep(palp_mesh *mesh, const double *weight, const double *least, do
 static void match_energy(palp_mesh *mesh, double area_m2) {
     double sum = 0.0, n[3];
     for (size_t i = 0; i < mesh->n_elements; i++)
-        sum += mesh->scale[i] * direction(mesh, mesh->pairs + 2 * i, n);
+        sum += mesh->scale[i] * mesh_direction(mesh, mesh->pairs + 2 * i, n);
     double share = 6.0 * mesh_volume(mesh, NULL) / (sum * area_m2);
     for (size_t i = 0; i < mesh->n_elements; i++)
         mesh->scale[i] *= share;
@@ -222,7 +209,7 @@ static palp_status fit(palp_mesh *mesh, double area_m2) {
         subtract_solid(mesh, area_m2, unbalance);
     for (size_t i = 0; i < mesh->n_elements && ok; i++) {
         least[i] = LEAST * mesh->scale[i];
-        direction(mesh, mesh->pairs + 2 * i, n);
+        mesh_direction(mesh, mesh->pairs + 2 * i, n);
         cube_of(n, w);
         add_element(mesh, i, mesh->scale[i], w, unbalance);
     }
@@ -249,7 +236,7 @@ static palp_status fit(palp_mesh *mesh, double area_m2) {
 static palp_status scale_by_volume(palp_mesh *mesh, double area_m2, palp_error *error) {
     double n[3];
     for (size_t i = 0; i < mesh->n_elements; i++) {
-        mesh->scale[i] /= direction(mesh, mesh->pairs + 2 * i, n) * area_m2;
+        mesh->scale[i] /= mesh_direction(mesh, mesh->pairs + 2 * i, n) * area_m2;
         if (!(mesh->scale[i] > 0.0 && isfinite(mesh->scale[i])))
             return palp_error_set(
                 error, PALP_ERR_INPUT,
@@ -260,7 +247,8 @@ static palp_status scale_by_volume(palp_mesh *mesh, double area_m2, palp_error *
     return PALP_OK;
 }
 
-static palp_status scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2, palp_error *error) {
+static palp_status scale_tetrahedra(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2,
+                                    palp_error *error) {
     bool continuum = scaling == PALP_SCALING_CONTINUUM;
     int32_t *neighbour = continuum ? malloc(4 * mesh->n_tetrahedra * sizeof *neighbour) : NULL;
     palp_status status = continuum && !neighbour ? PALP_ERR_NO_MEMORY : PALP_OK;
@@ -283,6 +271,16 @@ static palp_status scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area
     return status;
 }
 
+static palp_status scale_hexahedra(palp_mesh *mesh, double area_m2, palp_error *error) {
+    mesh->scale = arena_take(&mesh->memory, mesh->n_elements, sizeof *mesh->scale);
+    if (!mesh->scale)
+        return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
+    palp_status status = mesh_scale_cells(mesh, area_m2, error);
+    if (!status)
+        match_energy(mesh, area_m2);
+    return status;
+}
+
 /* Volume over height. */
 static double mean_section(const palp_mesh *mesh) {
     double low[3], high[3];
@@ -296,10 +294,14 @@ palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double a
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a mesh is scaled once, by an area of 0 or more");
     if (scaling == PALP_SCALING_NONE)
         return PALP_OK;
-    if (mesh->n_tetrahedra == 0 || mesh->split || !has_edges(mesh))
+    const bool cells = scaling == PALP_SCALING_CONTINUUM && mesh_has_cells(mesh);
+    if (!cells && (mesh->n_tetrahedra == 0 || mesh->n_hexahedra > 0 || !has_edges(mesh)))
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "scaling needs a mesh of tetrahedra with elements along their edges");
-    palp_status status = scale(mesh, scaling, area_m2 > 0.0 ? area_m2 : mean_section(mesh), error);
+                              "scaling needs a mesh of tetrahedra with elements along their edges, or, as a "
+                              "continuum, one of hexahedra with elements along all their diagonals");
+    const double area = area_m2 > 0.0 ? area_m2 : mean_section(mesh);
+    palp_status status =
+        cells ? scale_hexahedra(mesh, area, error) : scale_tetrahedra(mesh, scaling, area, error);
     if (status)
         mesh->scale = NULL;
     return status;

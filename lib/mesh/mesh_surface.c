@@ -66,11 +66,12 @@ void mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node) {
     size_t made = n == 4 ? 1 : 6;
     if (n == 4)
         memcpy(t, node, 4 * sizeof *t);
-    else
+    else {
         split_hexahedron(node, t);
+        memcpy(mesh->hexahedra + 8 * mesh->n_hexahedra++, node, 8 * sizeof *node);
+    }
     orient(mesh->x_m, made, t);
     mesh->n_tetrahedra += made;
-    mesh->split = mesh->split || n != 4;
 }
 
 /* ---- faces --------------------------------------------------------------------------------------- */

@@ -51,16 +51,18 @@ palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_erro
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model has no mesh");
     if (!source)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the model was read without the source of its mesh");
-    palp_status status;
-    if (source->kind == PALP_MESH_LATTICE) {
-        status = palp_mesh_lattice(source->nodes, source->size_m, source->neighbourhood, mesh);
-        return status ? palp_error_set(error, status, "the lattice: %s", palp_status_text(status)) : PALP_OK;
-    }
-    status = palp_model_join(source->folder, source->path, path);
-    if (status)
-        return palp_error_set(error, status, "the path of the mesh is too long");
+    palp_status status = PALP_OK;
     palp_error why = {PALP_OK, ""};
-    status = palp_mesh_read_gmsh(path, source->scale_m, source->hex_diagonals, mesh, error);
+    if (source->kind == PALP_MESH_LATTICE) {
+        strcpy(path, "the lattice");
+        status = palp_mesh_lattice(source->nodes, source->size_m, source->neighbourhood, mesh);
+        if (status)
+            palp_error_set(error, status, "%s: %s", path, palp_status_text(status));
+    } else {
+        status = palp_model_join(source->folder, source->path, path);
+        status = status ? palp_error_set(error, status, "the path of the mesh is too long")
+                        : palp_mesh_read_gmsh(path, source->scale_m, source->hex_diagonals, mesh, error);
+    }
     if (!status && palp_mesh_scale(*mesh, source->scaling, source->area_m2, &why)) {
         palp_mesh_free(*mesh);
         *mesh = NULL;

@@ -185,29 +185,6 @@ static palp_status size_read(const palp_json *at, double size_m[3]) {
     return status;
 }
 
-static palp_status lattice_read(const palp_json *at, palp_mesh_source *source) {
-    static const char *const keys[] = {"kind", "nodes", "size_mm", "neighbourhood"};
-    palp_json value;
-    double reach = 26;
-    palp_status status = palp_json_keys(at, COUNT(keys), keys);
-    if (!status)
-        status = palp_json_require(at, "nodes", &value);
-    if (!status)
-        status = nodes_read(&value, source->nodes);
-    if (!status)
-        status = palp_json_require(at, "size_mm", &value);
-    if (!status)
-        status = size_read(&value, source->size_m);
-    if (!status && palp_json_member(at, "neighbourhood", &value)) {
-        status = palp_json_number(&value, &reach);
-        if (!status && reach != 6 && reach != 18 && reach != 26)
-            status = palp_json_fail(&value, PALP_ERR_INPUT, "must be 6, 18 or 26, not %g", reach);
-    }
-    if (!status)
-        source->neighbourhood = (palp_neighbourhood)(int)reach;
-    return status;
-}
-
 static palp_status scaling_read(const palp_json *at, palp_mesh_source *source) {
     palp_json value;
     const char *name = "";
@@ -229,6 +206,29 @@ static palp_status scaling_read(const palp_json *at, palp_mesh_source *source) {
         source->area_m2 *= 1e-6;
     }
     return status;
+}
+
+static palp_status lattice_read(const palp_json *at, palp_mesh_source *source) {
+    static const char *const keys[] = {"kind", "nodes", "size_mm", "neighbourhood", "scaling", "area_mm2"};
+    palp_json value;
+    double reach = 26;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = palp_json_require(at, "nodes", &value);
+    if (!status)
+        status = nodes_read(&value, source->nodes);
+    if (!status)
+        status = palp_json_require(at, "size_mm", &value);
+    if (!status)
+        status = size_read(&value, source->size_m);
+    if (!status && palp_json_member(at, "neighbourhood", &value)) {
+        status = palp_json_number(&value, &reach);
+        if (!status && reach != 6 && reach != 18 && reach != 26)
+            status = palp_json_fail(&value, PALP_ERR_INPUT, "must be 6, 18 or 26, not %g", reach);
+    }
+    if (!status)
+        source->neighbourhood = (palp_neighbourhood)(int)reach;
+    return status ? status : scaling_read(at, source);
 }
 
 static palp_status mesh_file_read(const palp_json *at, palp_mesh_source *source) {

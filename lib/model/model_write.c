@@ -47,10 +47,10 @@ static bool shape_valid(const palp_model *model) {
         return false;
     if (!(model->volume_modulus_Pa >= 0) || !isfinite(model->volume_modulus_Pa))
         return false;
-    if (mesh->kind == PALP_MESH_LATTICE)
-        return lattice_valid(mesh);
     if ((unsigned)mesh->scaling > PALP_SCALING_CONTINUUM || !(mesh->area_m2 >= 0) || !isfinite(mesh->area_m2))
         return false;
+    if (mesh->kind == PALP_MESH_LATTICE)
+        return lattice_valid(mesh);
     return mesh->path[0] && mesh->scale_m > 0 && isfinite(mesh->scale_m);
 }
 
@@ -245,6 +245,15 @@ static void known_print(const writer *w, const palp_model *model) {
     }
 }
 
+/* The mesh's last members. */
+static void scaling_print(const writer *w, const palp_mesh_source *mesh) {
+    if (mesh->scaling != PALP_SCALING_NONE)
+        fprintf(w->stream, ", \"scaling\": \"%s\"", palp_model_scalings[mesh->scaling]);
+    if (mesh->scaling != PALP_SCALING_NONE && mesh->area_m2 > 0)
+        quantity_print(w, ", \"area_mm2\": ", mesh->area_m2, 1e-6);
+    fputc('}', w->stream);
+}
+
 static void lattice_print(const writer *w, const palp_mesh_source *mesh) {
     const size_t *n = mesh->nodes;
     fprintf(w->stream, "%s\"mesh\": {\"kind\": \"lattice\", \"nodes\": [%zu, %zu, %zu], ", w->between, n[0],
@@ -254,7 +263,7 @@ static void lattice_print(const writer *w, const palp_mesh_source *mesh) {
     fputc(']', w->stream);
     if (mesh->neighbourhood != PALP_NEIGHBOURS_26)
         fprintf(w->stream, ", \"neighbourhood\": %d", (int)mesh->neighbourhood);
-    fputc('}', w->stream);
+    scaling_print(w, mesh);
 }
 
 static palp_status mesh_file_print(const writer *w, const palp_mesh_source *mesh, const char *path) {
@@ -266,11 +275,7 @@ static palp_status mesh_file_print(const writer *w, const palp_mesh_source *mesh
     fprintf(w->stream, "%s\"mesh\": {\"kind\": \"file\", \"path\": %s, ", w->between, quoted);
     length_print(w, "\"scale_mm\": ", mesh->scale_m);
     fputs(mesh->hex_diagonals ? ", \"hex_diagonals\": true" : "", w->stream);
-    if (mesh->scaling != PALP_SCALING_NONE)
-        fprintf(w->stream, ", \"scaling\": \"%s\"", palp_model_scalings[mesh->scaling]);
-    if (mesh->scaling != PALP_SCALING_NONE && mesh->area_m2 > 0)
-        quantity_print(w, ", \"area_mm2\": ", mesh->area_m2, 1e-6);
-    fputc('}', w->stream);
+    scaling_print(w, mesh);
     free(quoted);
     return PALP_OK;
 }

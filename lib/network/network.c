@@ -102,7 +102,7 @@ static palp_status number_unknowns(palp_network *net, size_t n, const palp_suppo
  * and meshes without cells, as large as their box: by the rest length of a node's elements. */
 static void share_mass(palp_network *net) {
     double low[3], high[3], total = 0.0, volume = mesh_volume(net->mesh, net->mass);
-    if (volume > 0.0 && !net->mesh->split) {
+    if (volume > 0.0 && net->mesh->n_hexahedra == 0) {
         for (size_t i = 0; i < net->n_nodes; i++)
             net->mass[i] *= net->settings.density_kg_m3;
         return;

@@ -22,6 +22,13 @@ void network_evaluate_terms(palp_network *net) {
     NETWORK_EACH_TERM(net, evaluate, net);
 }
 
+double network_shared_length(const palp_network *net) {
+    double sum = 0.0;
+    for (size_t i = 0; i < net->n_elements; i++)
+        sum += (net->scale ? net->scale[i] : 1.0) / net->inverse_rest[i];
+    return sum;
+}
+
 double network_residual(palp_network *net, double *scale) {
     double squares = net->outer_squares, *r = net->unbalanced;
     memcpy(r, net->fint, 3 * net->n_nodes * sizeof *r);

@@ -178,6 +178,11 @@ bool network_evaluate_blocks(palp_network *net,
                              const network_blocks *blocks); /* as network_element_forces with blocks */
 void network_evaluate_terms(palp_network *net);             /* the terms alone */
 
+/* Sum of the elements' rest lengths, each times its element's factor, m. The energy of an even strain is
+ * proportional to this sum and to the law: networks of one body are the same material when their laws are
+ * inversely proportional to it. Young's modulus is K times this over six volumes. */
+double network_shared_length(const palp_network *net);
+
 /* |residual|_2 of the unknowns into rhs (K dx = rhs), and the scale it is judged by. */
 double network_residual(palp_network *net, double *scale);
 

@@ -69,14 +69,19 @@ if command -v ccx >/dev/null; then
 fi
 
 # 6. What is refused, and hexahedra by themselves.
-expect 2 calibrate $L --nodes 3 --scaling volume
-says "--scaling and --area-mm2 go with --mesh"
+expect 1 calibrate $L --nodes 3 --scaling volume
+says "the lattice: scaling needs a mesh of tetrahedra"
+expect 2 calibrate $L --start lattice.json --scaling none
+says "--scaling and --area-mm2 go with --nodes or --mesh"
 expect 2 calibrate $L --mesh $M/box_tetra.msh --scaling none --area-mm2 5
 says "--area-mm2 goes with --scaling volume or continuum"
 expect 1 calibrate $L --mesh $M/box_hexa.msh --scaling continuum
 says "box_hexa.msh: scaling needs a mesh of tetrahedra"
 expect 0 calibrate $L --mesh $M/box_hexa.msh --hex-diagonals --stage static --steps 100 --out hexa.json
-grep -q scaling hexa.json && fail "hexahedra were scaled"
+grep -q '"scaling": "continuum", "area_mm2": 452.389' hexa.json || fail "hexahedra with diagonals were not scaled"
+expect 0 calibrate $L --nodes 3 --scaling none --stage static --steps 100 --out plain.json
+grep -q scaling plain.json && fail "--scaling none scales"
+grep -q '"size_mm": \[24, 24, 24\], "scaling": "continuum"}' lattice.json || fail "a lattice was not scaled"
 
 # 7. Tetrahedra that resist a change of volume: the law stands beside them, the model carries them, what cannot says so.
 expect 0 calibrate $L --nodes 4 --stage static --steps 200 --depth-mm 7 --volume 0.3 --out solid.json

@@ -10,7 +10,7 @@ coefficient() {
 }
 residual() { values "$1" residual | sed -n "$(($2 + 1))p"; } # the first is the best of all
 
-expect 0 calibrate $L --nodes 3 --stage static --method fixed_point --steps 97000 --json
+expect 0 calibrate $L --nodes 3 --scaling none --stage static --method fixed_point --steps 97000 --json
 cp out fixed.json
 for key in stage method nodes residual coefficients_N arms iterations; do
     grep -q "^  \"$key\":" out || fail "--json lacks $key"
@@ -31,15 +31,15 @@ near "Table 5.1: e^4 of iteration 3's guess" "$(coefficient fixed.json 4 4)" 99.
 
 below() { awk -v a="$2" -v b="$3" 'BEGIN { exit !(a > 0 && a <= b) }' || fail "$1: $2, above $3"; }
 evaluations() { grep -c '^ *"residual"' "$1" | awk '{ print $1 - 1 }'; }
-expect 0 calibrate $L --nodes 3 --stage static --json --out 27.json
+expect 0 calibrate $L --nodes 3 --scaling none --stage static --json --out 27.json
 below "27 nodes, quartic" "$(value out residual)" 1.30
 below "27 nodes, evaluations" "$(evaluations out)" 30
-expect 0 calibrate $L --nodes 5 --stage static --json --out 125.json
+expect 0 calibrate $L --nodes 5 --scaling none --stage static --json --out 125.json
 below "125 nodes, quartic" "$(value out residual)" 1.75
 below "125 nodes, evaluations" "$(evaluations out)" 30
-expect 0 calibrate $L --nodes 5 --stage static --method fixed_point --json
+expect 0 calibrate $L --nodes 5 --scaling none --stage static --method fixed_point --json
 below "125 nodes, fixed point" "$(value out residual)" 4.76
-expect 0 calibrate $L --nodes 3 --stage static --law spline --knots 8 --json
+expect 0 calibrate $L --nodes 3 --scaling none --stage static --law spline --knots 8 --json
 below "27 nodes, spline" "$(value out residual)" 0.15
 grep -q '^  "strain":' out && grep -q '^  "stiffness_N":' out || fail "--json of a spline lacks strain or stiffness_N"
 
@@ -48,7 +48,7 @@ expect 0 simulate 27.json --protocol static --depth-mm 9.7 --relaxed --out netwo
 expect 0 simulate $L --protocol static --depth-mm 9.7 --relaxed --out lumped.csv
 at() { awk -F, '/^[0-9]/ && $2 > 4.8 && $2 < 4.9 { print $3; exit }' "$1"; }
 near "27 nodes at half the depth" "$(at network.csv)" "$(at lumped.csv)" 0 0.02
-expect 0 calibrate $L lumped.csv --nodes 3 --stage static --json
+expect 0 calibrate $L lumped.csv --nodes 3 --scaling none --stage static --json
 near "fitted to a run: samples" "$(value out samples)" "$(grep -c '^[0-9]' lumped.csv)" 0 1
 near "fitted to a run: residual a sample" "$(value out residual | awk '{ print $1 / sqrt(100) }')" 0 0 0.01
 done_testing

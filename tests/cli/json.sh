@@ -79,7 +79,7 @@ expect 0 calibrate $L --nodes 3 --stage all --depth-mm 4 --degree 2 --steps 500 
 expect 0 reduce $N --runs run_1.csv,run_2.csv --hold-out 0.5 --modes 3 --samples 20 --out reduced.json --json && mv out reduce.json
 expect 0 calibrate $L --stage relaxation --start spline.json --method three_phase --depth-mm 2 --hold-s 20 --dt-ms 20 --json
 mv out cal_phases.json
-expect 3 calibrate $L --nodes 3 --stage all --method three_phase --depth-mm 2 --steps 200 --hold-s 20 --dt-ms 20 --degree 2 --json
+expect 3 calibrate $L --nodes 3 --scaling none --stage all --method three_phase --depth-mm 2 --steps 200 --hold-s 20 --dt-ms 20 --degree 2 --json
 mv out cal_thesis.json
 expect 0 calibrate $L --nodes 3 --stage all --depth-mm 2,4 --steps 200 --hold-s 20 --degree 2 --strain-dependent --json --out beta.json
 mv out cal_beta.json

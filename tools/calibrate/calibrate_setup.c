@@ -72,6 +72,8 @@ static int choose_lattice(const calibrate_options *o, const calibrate_state *s, 
     memset(mesh, 0, sizeof *mesh);
     mesh->kind = PALP_MESH_LATTICE;
     mesh->neighbourhood = PALP_NEIGHBOURS_26;
+    mesh->scaling = o->scaling < 0 ? PALP_SCALING_CONTINUUM : (palp_mesh_scaling)o->scaling;
+    mesh->area_m2 = 1e-6 * o->area_mm2;
     for (int i = 0; i < 3; i++) {
         mesh->nodes[i] = (size_t)nodes[i];
         mesh->size_m[i] = 1e-3 * size_mm[i];
@@ -101,13 +103,13 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
  * was asked for. */
 static int choose_volume(const calibrate_options *o, calibrate_state *s) {
     const palp_mesh_source *mesh = &s->source;
-    double rest = 0.0,
-           own = mesh->kind == PALP_MESH_LATTICE ? mesh->size_m[0] * mesh->size_m[2] : mesh->area_m2;
+    double rest = 0.0, own = mesh->area_m2;
     if (!(o->volume > 0))
         return CLI_OK; /* that of --start */
     palp_law_stiffness(&s->lumped.material.law, 0.0, &rest, NULL);
     if (!(own > 0))
-        own = PI * s->lumped.radius_m * s->lumped.radius_m;
+        own = mesh->kind == PALP_MESH_LATTICE ? mesh->size_m[0] * mesh->size_m[2]
+                                              : PI * s->lumped.radius_m * s->lumped.radius_m;
     if (!(own > 0))
         return cli_failure(
             NAME,
@@ -133,7 +135,8 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     if (code)
         return code;
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
-    if (status == PALP_ERR_UNSUPPORTED && o->mesh && o->scaling < 0) { /* hexahedra: as they are */
+    if (status == PALP_ERR_UNSUPPORTED && o->mesh &&
+        o->scaling < 0) { /* hexahedra without diagonals: as they are */
         s->source.scaling = PALP_SCALING_NONE;
         status = palp_model_mesh(&s->model, &s->mesh, &error);
     }

@@ -60,17 +60,18 @@ static bool is_large(const calibrate_state *s) {
 /* A lattice of the same box with at most so many nodes a side. */
 static palp_status coarse_network(const calibrate_options *o, const calibrate_state *s, size_t most,
                                   const palp_material *material, palp_network **network) {
-    const palp_mesh_source *source = &s->source;
+    palp_mesh_source source = s->source;
+    palp_model model = s->model;
     palp_mesh *mesh = NULL;
     palp_support supports[2];
     palp_network_settings settings = palp_network_settings_default();
-    size_t nodes[3];
+    model.mesh = &source;
     for (size_t k = 0; k < 3; k++)
-        nodes[k] = source->nodes[k] < most ? source->nodes[k] : most;
+        source.nodes[k] = source.nodes[k] < most ? source.nodes[k] : most;
     palp_supports_default(supports);
     settings.branch = (palp_branch)o->branch;
     settings.volume_modulus_Pa = s->model.volume_modulus_Pa;
-    palp_status status = palp_mesh_lattice(nodes, source->size_m, source->neighbourhood, &mesh);
+    palp_status status = palp_model_mesh(&model, &mesh, NULL);
     if (!status)
         status = palp_network_create(mesh, material, 2, supports, &settings, network, NULL);
     palp_mesh_free(mesh);

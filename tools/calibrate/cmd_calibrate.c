@@ -21,9 +21,9 @@ static size_t network_options(calibrate_options *o, cli_option *to) {
                  "elements along the diagonals of the file's hexahedra too, without\n"
                  "which they shear like a box without a back"),
         cli_choice("scaling", "none|volume|continuum", &o->scaling,
-                   "how the elements of a file of tetrahedra share in the material's\n"
-                   "stiffness: alike; by volume; fitted to a solid, with elements across\n"
-                   "the faces too (default for tetrahedra)"),
+                   "how elements share in the material's stiffness: alike, as in Sedef\n"
+                   "2008; by volume (tetrahedra); or as an isotropic solid, tetrahedra\n"
+                   "with elements across the faces too (default)"),
         cli_positive("area-mm2", "MM2", 1e8, &o->area_mm2,
                      "area that the scaled elements' N refer to, mm2 (default: the\n"
                      "specimen's cross-section, or the mesh's volume over its height)"),
@@ -136,8 +136,8 @@ static int check_mesh(const calibrate_options *o) {
         return cli_usage_error(NAME, "--size-mm goes with --nodes");
     if ((o->scale_mm > 0 || o->hex_diagonals) && !o->mesh)
         return cli_usage_error(NAME, "--scale-mm and --hex-diagonals go with --mesh");
-    if ((o->scaling >= 0 || o->area_mm2 > 0) && !o->mesh)
-        return cli_usage_error(NAME, "--scaling and --area-mm2 go with --mesh");
+    if ((o->scaling >= 0 || o->area_mm2 > 0) && !o->mesh && !o->nodes.n)
+        return cli_usage_error(NAME, "--scaling and --area-mm2 go with --nodes or --mesh");
     if (o->scaling == PALP_SCALING_NONE && o->area_mm2 > 0)
         return cli_usage_error(NAME, "--area-mm2 goes with --scaling volume or continuum");
     return CLI_OK;

@@ -140,7 +140,7 @@ END_TEST
 START_TEST(scaling_refuses) {
     palp_error error = {PALP_OK, ""};
     palp_mesh *mesh = read_mesh("box_hexa");
-    ck_assert_int_eq(palp_mesh_scale(mesh, PALP_SCALING_CONTINUUM, AREA, &error), PALP_ERR_UNSUPPORTED);
+    ck_assert_int_eq(palp_mesh_scale(mesh, PALP_SCALING_VOLUME, AREA, &error), PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_null(palp_mesh_element_scale(mesh));
     ck_assert_int_eq(palp_mesh_scale(mesh, PALP_SCALING_NONE, AREA, &error), PALP_OK);
     palp_mesh_free(mesh);

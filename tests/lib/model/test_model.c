@@ -109,6 +109,25 @@ START_TEST(scaling_comes_back) {
     comes_back(&model);
     source.scaling = (palp_mesh_scaling)3;
     ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
+    model =
+        read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
+                  "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"lattice\", "
+                  "\"nodes\": [3, 3, 3], \"size_mm\": [24, 24, 24], \"scaling\": \"continuum\", "
+                  "\"area_mm2\": 288}}");
+    ck_assert_int_eq(source.scaling, PALP_SCALING_CONTINUUM);
+    comes_back(&model);
+    palp_mesh *mesh = NULL;
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, NULL), PALP_OK);
+    const double whole = palp_mesh_element_scale(mesh)[0];
+    palp_mesh_free(mesh);
+    source.area_m2 = 0.0; /* 576 mm^2, its own section */
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, NULL), PALP_OK);
+    ck_assert_double_eq_tol(palp_mesh_element_scale(mesh)[0], 0.5 * whole, 1e-12 * whole);
+    palp_mesh_free(mesh);
+    source.scaling = PALP_SCALING_NONE;
+    ck_assert_int_eq(palp_model_mesh(&model, &mesh, NULL), PALP_OK);
+    ck_assert_ptr_null(palp_mesh_element_scale(mesh));
+    palp_mesh_free(mesh);
     source.scaling = PALP_SCALING_VOLUME;
     source.area_m2 = -1.0;
     ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
