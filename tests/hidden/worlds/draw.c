@@ -7,13 +7,30 @@
 
 static const double two_pi = 6.283185307179586;
 
+/* A springpot of this exponent: arms evenly in the logarithm of their times, from a sample to a run. */
+static void draw_springpot(const lab *l, random_state *rng, solid *s) {
+    double exponent = random_uniform(rng, 0.15, 0.4),
+           size = s->size / s->top * random_uniform(rng, 0.1, 0.25);
+    s->n_arms = SPECTRUM;
+    for (size_t j = 0; j < SPECTRUM; j++) {
+        double times = pow(2000, (double)j / (SPECTRUM - 1)); /* of the first */
+        s->arms[j] = (arm){size * pow(times, -exponent), times / l->Hz};
+    }
+}
+
 static void draw_solid(const lab *l, random_state *rng, solid *s) {
     memset(s, 0, sizeof *s);
+    s->lab = l;
+    s->force_driven = l->spectrum == FORCE_DRIVEN;
     s->height = l->height;
     s->top = l->strain;
     s->law = l->law;
     s->size = l->force * random_uniform(rng, 0.5, 0.7);
     s->shape = l->law == FUNG ? random_uniform(rng, 1.5, 3.5) : random_uniform(rng, 0.4, 0.7);
+    if (l->spectrum == FRACTIONAL) {
+        draw_springpot(l, rng, s);
+        return;
+    }
     s->n_arms = 1 + random_index(rng, 2);
     for (size_t j = 0; j < s->n_arms; j++) {
         s->arms[j].stiffness = s->size / s->top * random_uniform(rng, 0.2, 0.6);
@@ -26,16 +43,18 @@ static void draw_solid(const lab *l, random_state *rng, solid *s) {
 bool effect_possible(const lab *l, int id) {
     switch (id) {
     case RELAXATION_ARM:
-    case COULOMB_FRICTION:
     case SENSOR_LAG:
     case SENSOR_DRIFT:
-    case DRIVE_RIPPLE:
     case FORCE_SATURATION:
         return true;
+    case COULOMB_FRICTION: /* a hand has no guide and no drive */
+    case DRIVE_RIPPLE:
+        return l->protocol != BY_HAND;
     case PERMANENT_SET:
     case DAMAGE_SOFTENING:
     case ADHESION:
-        return l->protocol == RICH || l->protocol == ONE_RUN;
+        return l->protocol != ONE_SPEED && l->protocol != NO_UNLOADING &&
+               (id != ADHESION || l->protocol != SINES);
     case RATE_STIFFENING: /* its rates are those of 1 %/s and more */
         return l->Hz >= 10;
     case MAINS_HUM:
@@ -149,6 +168,21 @@ static double highest(const double cosine[EFFECTS]) {
     return most;
 }
 
+/* A second effect beside the first, as strong by itself and unlike it. */
+static bool hide_second(truth *t, search *h, const secret *what, random_state *rng) {
+    solid alone;
+    if (!strengthen(h, what, random_log(rng, 60, 600), &alone))
+        return false;
+    t->second = what->effect;
+    t->second_evidence = search_evidence(h, &alone, effect_kinds[what->effect].n);
+    if (!evidence_classes(h, &alone, t->second_cosine))
+        return false;
+    memcpy(t->solid.effect[t->second], alone.effect[t->second], sizeof alone.effect[0]);
+    if (t->second == RELAXATION_ARM)
+        t->solid.arms[t->solid.n_arms++] = alone.arms[alone.n_arms - 1];
+    return t->second != t->effect && t->cosine[t->second] < 0.7 && t->second_cosine[t->effect] < 0.7;
+}
+
 static bool hide_at_all(truth *t, search *h, const secret *what, random_state *rng) {
     double nats = random_log(rng, 60, 2000);
     solid hidden = h->plain;
@@ -168,7 +202,7 @@ static secret draw_secret(const truth *t, const solid *plain, int kind, uint64_t
     secret what = {.effect = EFFECTS, .peak = t->lab->force};
     if (kind == 2)
         what.outside = (enum outside_id)(1 + turn % (OUTSIDES - 1));
-    if (kind == 1) {
+    if (kind == 1 || kind == 3) {
         do
             what.effect = (int)random_index(rng, EFFECTS);
         while (!effect_possible(t->lab, what.effect) || (what.effect == RELAXATION_ARM && plain->n_arms > 1));
@@ -231,11 +265,17 @@ static bool attempt(truth *t, uint64_t turn, int kind, random_state *rng, bool *
         return true;
     secret what = draw_secret(t, &plain, kind, turn, rng);
     t->effect = what.effect;
+    t->second = EFFECTS;
     t->outside = what.outside;
     if (!search_make(&h, t, &plain))
         return false;
     what.peak = h.peak;
     *found = hide_at_all(t, &h, &what, rng);
+    if (*found && kind == 3) {
+        what = draw_secret(t, &plain, kind, turn, rng);
+        what.peak = h.peak;
+        *found = hide_second(t, &h, &what, rng);
+    }
     search_free(&h);
     return true;
 }
@@ -245,7 +285,7 @@ bool truth_draw(truth *t, const lab *l, uint64_t seed, uint64_t stream, int kind
     bool found = false;
     memset(t, 0, sizeof *t);
     t->lab = l;
-    t->effect = EFFECTS;
+    t->effect = t->second = EFFECTS;
     t->white = l->noise * l->force;
     t->step = l->kind == QUANTIZED ? 3 * t->white : 0;
     t->keep = l->kind == CORRELATED ? 0.8 : 0;

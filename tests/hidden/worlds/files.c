@@ -31,9 +31,9 @@ static bool run_write(const truth *t, size_t i, const char *folder) {
     if (!f)
         return false;
     header_write(f, t, i);
+    random_state rng = random_make(2000 + i, (uint64_t)(1e9 * fabs(t->force[r->first + r->n / 2])));
     for (size_t k = 0, hint = 0; k < r->n; k++) {
-        double d, v, a;
-        path_at(r, (double)k / r->Hz, &hint, &d, &v, &a);
+        double d = lab_depth(t->lab, r, lab_time(t->lab, r, i, k), &hint, &rng);
         if (step > 0)
             d = step * floor(d / step + 0.5);
         fprintf(f, "%.9g,%.9g,%.9g\n", (double)k / r->Hz, 1e3 * d, t->force[r->first + k]);
@@ -49,13 +49,20 @@ bool truth_files(const truth *t, const char *folder) {
     return true;
 }
 
-static void effect_line(FILE *f, const truth *t) {
-    const effect_kind *kind = &effect_kinds[t->effect];
+static void effect_line(FILE *f, const truth *t, int id) {
+    const effect_kind *kind = &effect_kinds[id];
     fprintf(f, "{\"id\": \"%s\", \"parameters\": {", kind->id);
     for (size_t k = 0; k < kind->n; k++)
-        fprintf(f, "%s\"%s\": %.9g", k ? ", " : "", kind->key[k],
-                t->solid.effect[t->effect][k] / kind->unit[k]);
+        fprintf(f, "%s\"%s\": %.9g", k ? ", " : "", kind->key[k], t->solid.effect[id][k] / kind->unit[k]);
     fprintf(f, "}}");
+}
+
+static void cosine_line(FILE *f, const double cosine[EFFECTS]) {
+    fprintf(f, "\"cosine\": {");
+    for (int i = 0, n = 0; i < EFFECTS; i++)
+        if (cosine[i] >= 0.3)
+            fprintf(f, "%s\"%s\": %.3f", n++ ? ", " : "", effect_kinds[i].id, cosine[i]);
+    fprintf(f, "}");
 }
 
 void truth_line(FILE *f, const truth *t) {
@@ -74,10 +81,15 @@ void truth_line(FILE *f, const truth *t) {
     if (t->effect == EFFECTS)
         fprintf(f, "null");
     else
-        effect_line(f, t);
-    fprintf(f, ", \"outside\": \"%s\", \"nats\": %.4g, \"cosine\": {", outside[t->outside], t->evidence);
-    for (int i = 0, n = 0; i < EFFECTS; i++)
-        if (t->cosine[i] >= 0.3)
-            fprintf(f, "%s\"%s\": %.3f", n++ ? ", " : "", effect_kinds[i].id, t->cosine[i]);
-    fprintf(f, "}}");
+        effect_line(f, t, t->effect);
+    fprintf(f, ", \"outside\": \"%s\", \"nats\": %.4g, ", outside[t->outside], t->evidence);
+    cosine_line(f, t->cosine);
+    if (t->second != EFFECTS) {
+        fprintf(f, ", \"second\": {\"effect\": ");
+        effect_line(f, t, t->second);
+        fprintf(f, ", \"nats\": %.4g, ", t->second_evidence);
+        cosine_line(f, t->second_cosine);
+        fprintf(f, "}");
+    }
+    fprintf(f, "}");
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
 # run.sh: writes the cases of laboratories that are not ours, takes each the whole way (characterize, then explain), judges the answers.
-#   run.sh [--seed N] [--set all|quick] [--jobs N] [--out DIR] [--oracle] [--report-only] [--print-table]
+#   run.sh [--seed N] [--set all|quick|testers] [--jobs N] [--out DIR] [--oracle] [--report-only] [--print-table]
 # From any folder; PALPATE is the command (default: build/palpate of this tree), CC compiles the generator. A run that was interrupted
 # goes on in its --out while the seed, the set, the generator and the command are the same. See ../README.md.
 set -u

@@ -96,6 +96,42 @@ static void test_release(void) {
     free(force);
 }
 
+/* The plates of other testers: a swing that begins without a jump and dies away, steps that end on the way, a
+ * clock that never turns back; arms that the force drives are those that the strain drives where it is
+ * linear. */
+static void test_testers(void) {
+    run r = press(4e-3, 2);
+    lab rings = {.Hz = 100, .height = 0.02, .strain = 0.2, .tester = RINGS}, steps = rings, late = rings;
+    steps.tester = STEPS;
+    late.jitter = 0.1;
+    double d, v, a, before, least = 1;
+    size_t hint = 0;
+    lab_path(&rings, &r, 1 - 1e-6, &hint, &d, &before, &a);
+    lab_path(&rings, &r, 1 + 1e-6, &hint, &d, &v, &a);
+    check("rings: no jump of the speed at a corner", v, before, 1e-5);
+    lab_path(&rings, &r, 1 + 0.25 * 0.25, &hint, &d, &v, &a);
+    check("rings: it overshoots by about its speed over its frequency", d - 4e-3,
+          4e-3 * 0.79 / (8 * acos(-1)), 1e-6);
+    lab_path(&rings, &r, 3, &hint, &d, &v, &a);
+    check("rings: and comes to rest", d, 4e-3, 1e-8);
+    hint = 0;
+    lab_path(&steps, &r, 0.50124, &hint, &d, &v, &a);
+    check("steps: it stands between them", d, 200 * 1e-5, 1e-12);
+    for (size_t i = 1; i < 300; i++)
+        least = fmin(least, lab_time(&late, &r, 0, i) - lab_time(&late, &r, 0, i - 1));
+    check("jitter: samples stay in order", fmin(least, 1e-3), 1e-3, 0);
+    solid s = linear();
+    double plain = force_at(&s, &r, 1.5);
+    s.force_driven = true;
+    check("force_driven: with a linear law the same", force_at(&s, &r, 1.5), plain, 1e-12);
+    s.law = FUNG;
+    s.shape = 2;
+    double driven = force_at(&s, &r, 1);
+    s.force_driven = false;
+    check("force_driven: the arm follows the force, which rises late", driven > force_at(&s, &r, 1) + 0.5, 1,
+          0);
+}
+
 /* Of noise alone half of chi2 is left for each sample that no column takes; what a run may have of its own
  * leaves nothing. */
 static void test_evidence(const lab *l) {
@@ -143,13 +179,27 @@ static void test_draw(const lab *l) {
     truth_free(&again);
 }
 
+/* Both of a pair are there, each unlike the other. */
+static void test_pair(const lab *l) {
+    truth t;
+    if (!truth_draw(&t, l, 5, 4, 3))
+        abort();
+    check("pair: two effects", t.second != EFFECTS && t.second != t.effect, 1, 0);
+    check("pair: the second is in the specimen too", t.solid.effect[t.second][0] != 0, 1, 0);
+    check("pair: each as strong as it must be", fmin(t.second_evidence, 60), 60, 1);
+    check("pair: unlike each other", fmax(t.cosine[t.second], t.second_cosine[t.effect]) < 0.7, 1, 0);
+    truth_free(&t);
+}
+
 int worlds_self_test(void) {
     test_laws();
     test_press();
     test_release();
+    test_testers();
     for (size_t i = 2; i < 6; i++) /* each kind of noise */
         test_evidence(&laboratories[i]);
     test_evidence(&laboratories[0]);
     test_draw(&laboratories[10]);
+    test_pair(&laboratories[LABS - 2]);
     return failures;
 }

@@ -77,9 +77,16 @@ static double spring(const state *at, double e) {
     return solid_spring(at->s, seen) * softened(at, e) * stiffer;
 }
 
+/* What the arms follow, as a strain. */
+static double drive(const solid *s, double e) {
+    return s->force_driven ? solid_spring(s, e) * s->top / s->size : e;
+}
+
 static double arm_after(const state *at, size_t j, double e) {
-    double half = 0.5 * at->step / at->s->arms[j].time;
-    return (at->arm_force[j] * (1 - half) + at->s->arms[j].stiffness * (e - at->strain)) / (1 + half);
+    const arm *own = &at->s->arms[j];
+    double half = 0.5 * at->step / own->time;
+    double moved = drive(at->s, e) - drive(at->s, at->strain);
+    return (at->arm_force[j] * (1 - half) + own->stiffness * moved) / (1 + half);
 }
 
 static double force_at(const state *at, double e) {
@@ -162,13 +169,15 @@ static void record(const solid *s, const run *r, double *force) {
 
 void solid_press(const solid *s, const run *r, size_t number, double *force) {
     size_t steps = steps_of(s, 1 / r->Hz), hint = 0;
-    double h = 1 / r->Hz / (double)steps, d, v, a, output = 0, old = 0;
-    state at = {.s = s, .step = h};
+    double d, v, a, output = 0, old = 0, before = -1 / r->Hz;
+    state at = {.s = s};
     for (size_t i = 0; i < r->n; i++) {
+        double now = lab_time(s->lab, r, number, i), h = (now - before) / (double)steps;
+        at.step = h;
         for (size_t k = i == 0 ? steps - 1 : 0; k < steps;
              k++) { /* the first sample is of a specimen at rest */
-            double t = ((double)i - 1 + (double)(k + 1) / (double)steps) / r->Hz;
-            path_at(r, t, &hint, &d, &v, &a);
+            double t = before + (double)(k + 1) * h;
+            lab_path(s->lab, r, t, &hint, &d, &v, &a);
             at.factor = (1 + r->gain) * outside_factor(s, r, number, t);
             at.speed = v / s->height;
             advance(&at, (d - r->shift) / s->height);
@@ -177,6 +186,7 @@ void solid_press(const solid *s, const run *r, size_t number, double *force) {
             old = input;
         }
         force[i] = output;
+        before = now;
     }
     record(s, r, force);
     outside_add(s, r, number, force);

@@ -6,7 +6,7 @@
 
 #include "../hidden.h"
 
-enum { HATS = 12, TIMES = 4, SOLID_ARMS = 2 + TIMES };
+enum { HATS = 12, TIMES = 4, SPECTRUM = 10, SOLID_ARMS = SPECTRUM + TIMES + 1 };
 
 /* ---- what is pressed (solid.c) ---- */
 enum law_kind { QUADRATIC, FUNG, PIECEWISE, HERTZ };
@@ -14,8 +14,11 @@ enum law_kind { QUADRATIC, FUNG, PIECEWISE, HERTZ };
 /* What no row of the catalogue describes (outside.c). */
 enum outside_id { NO_OUTSIDE, WAVE, WARM_UP, SLIP, WALK, JUMP, ROOM, OUTSIDES };
 
+struct lab;
 typedef struct solid {
-    double height, top; /* top: strain of the laboratory's full travel */
+    const struct lab *lab; /* whose tester presses it; NULL: an exact one */
+    bool force_driven;     /* the arms follow the spring's force, not the strain (quasi-linear) */
+    double height, top;    /* top: strain of the laboratory's full travel */
     enum law_kind law;
     double size, shape,
         hat[HATS]; /* spring's force at top; exponent, or place of the knee; added force at the hats */
@@ -39,7 +42,11 @@ void outside_add(const solid *s, const run *r, size_t number, double *force);
 
 /* ---- who presses it (lab.c) ---- */
 enum noise_kind { GAUSS, STUDENT, CORRELATED, QUANTIZED };
-enum protocol_kind { RICH, ONE_RUN, ONE_SPEED, NO_UNLOADING };
+enum protocol_kind { RICH, ONE_RUN, ONE_SPEED, NO_UNLOADING, SINES, TRIANGLES, TO_FORCE, BY_HAND };
+/* What the plate does beside its way: EXACT nothing; RINGS overshoots at each corner; STEPS goes in small
+ * steps. */
+enum tester_kind { EXACT, RINGS, STEPS };
+enum spectrum_kind { FEW_ARMS, FORCE_DRIVEN, FRACTIONAL };
 enum header_kind { FULL, HEIGHT, THREE };
 
 typedef struct lab {
@@ -50,11 +57,23 @@ typedef struct lab {
     enum law_kind law;
     enum protocol_kind protocol;
     enum header_kind header;
+    /* Of the other testers (set testers) only: */
+    bool other;
+    enum tester_kind tester;
+    enum spectrum_kind spectrum;
+    double depth_noise, jitter; /* of the recorded depth, of the travel; of the clock, of a sample's time */
+    double fast;                /* so many times as fast in samples; 0 = 1 */
 } lab;
-enum { LABS = 11 };
+enum { LABS = 20 };
 extern const lab laboratories[LABS];
 void lab_session(const lab *l, random_state *rng, session *s);
 double lab_travel(const lab *l);
+/* Where the plate is; l may be NULL. Arguments of path_at. */
+void lab_path(const lab *l, const run *r, double t, size_t *hint, double *d, double *v, double *a);
+/* What the tester writes down as the depth at time t. */
+double lab_depth(const lab *l, const run *r, double t, size_t *hint, random_state *rng);
+/* When sample i is taken, with the clock's jitter. */
+double lab_time(const lab *l, const run *r, size_t number, size_t i);
 
 /* ---- a case (draw.c, evidence.c, files.c) ---- */
 typedef struct truth {
@@ -67,10 +86,12 @@ typedef struct truth {
     double white, step, keep;         /* noise: sd, quantum of the force, correlation from sample to sample */
     double zero[RUNS];                /* of each run */
     double evidence, cosine[EFFECTS]; /* nats of what is hidden; how alike each effect is to it */
-    double *force;                    /* as recorded */
+    int second;                       /* of a pair; EFFECTS: none */
+    double second_evidence, second_cosine[EFFECTS];
+    double *force; /* as recorded */
 } truth;
 
-/* false without memory. kind: 0 a null, 1 an effect, 2 outside the catalogue. */
+/* false without memory. kind: 0 a null, 1 an effect, 2 outside the catalogue, 3 a pair of effects. */
 bool truth_draw(truth *t, const lab *l, uint64_t seed, uint64_t stream, int kind);
 void truth_free(truth *t);
 bool truth_files(const truth *t, const char *folder);
