@@ -61,7 +61,8 @@ static palp_status copy_columns(palp_recording *r, const palp_experiment *e, pal
                                   "%s: sample %zu: not finite, beyond 1e12, or time_s does not increase",
                                   r->name, i + 1);
     }
-    return PALP_OK;
+    double noise;
+    return segments_smooth_path(r->n, r->time_s, r->depth_m, &noise);
 }
 
 static void read_header(palp_recording *r, const palp_experiment *e,

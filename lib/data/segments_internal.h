@@ -39,6 +39,11 @@ void segments_refine_contact(const palp_press *press, palp_air *air);
 /* Whether the plate moved through air before the contact: by more than 3 sds of it, and without a force. */
 bool segments_air_seen(const palp_press *press, const palp_air *air);
 
+/* The path of a plate whose recorded depth has white noise, in place of depth[n]: a Kalman smoother with white
+ * acceleration (Wahba 1978), of the most likely intensity. *noise: the sd; 0 = none beyond an encoder's steps,
+ * and the depth stays to the bit. Depth in any unit. ERR_NO_MEMORY. */
+palp_status segments_smooth_path(size_t n, const double *time, double *depth, double *noise);
+
 /* Whether sample i can be used: time in s, depth in mm and force in N finite, none beyond 1e12 either way, so
  * that sums of squares stay finite, and its time after that of the sample before. */
 bool segments_sample_valid(const double *time, const double *depth, const double *force, size_t i);

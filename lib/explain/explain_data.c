@@ -70,13 +70,17 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
     run->phase = run->use + run->n;
     memset(run->use, 1, run->n);
     run->start = time[0];
-    double deepest = -HUGE_VAL;
+    double deepest = -HUGE_VAL, noise;
     for (size_t i = 0; i < run->n; i++) {
         run->time[i] = time[i] - time[0];
         run->depth[i] = 1e-3 * depth[i];
         run->force[i] = force[i];
-        deepest = fmax(deepest, run->depth[i]);
     }
+    palp_status status = segments_smooth_path(run->n, run->time, run->depth, &noise);
+    if (status)
+        return status;
+    for (size_t i = 0; i < run->n; i++)
+        deepest = fmax(deepest, run->depth[i]);
     find_columns(e, run);
     for (size_t i = 0; air && i < run->n; i++)
         run->depth[i] -= fmax(0.0, deepest) + height;
