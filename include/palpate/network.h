@@ -14,7 +14,7 @@ extern "C" {
 
 typedef struct palp_network palp_network; /* opaque; palp_network_free */
 
-/* What an axis of a node set does. A driven axis moves by depth times the support's motion. */
+/* Motion of an axis of a node set. A driven axis moves by depth times the support's motion. */
 typedef enum palp_axis { PALP_FREE, PALP_FIXED, PALP_DRIVEN } palp_axis;
 
 typedef struct palp_support {
@@ -23,9 +23,9 @@ typedef struct palp_support {
     double motion[3];  /* displacement per unit depth of the driven axes */
 } palp_support;
 
-/* Which equilibrium to follow where the network can buckle. CONTINUE: the branch Newton follows
- * from the last step, stable or not; with tools or grasped nodes only while it is stable, then as STABLE.
- * STABLE: descend in energy to a stable one. */
+/* Which equilibrium to follow where the network can buckle. CONTINUE: the branch that Newton's method follows
+ * from the last step, stable or not. With tools or grasped nodes an unstable branch is left as with STABLE.
+ * STABLE: descend in energy to a stable equilibrium. */
 typedef enum palp_branch { PALP_BRANCH_CONTINUE, PALP_BRANCH_STABLE } palp_branch;
 
 typedef enum palp_integrator {
@@ -41,12 +41,11 @@ typedef struct palp_network_settings {
     double density_kg_m3; /* 0 = massless (quasi-static); a quarter of each tetrahedron's mass to its corners.
                              Hexahedra (lattices): their mass, and for meshes from arrays that of the bounding
                              box, shared by the rest length of a node's elements */
-    double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume by which the mesh's tetrahedra
-                               resist that their volume changes by the factor J; 0 = they do not, as springs
-                               alone do not */
+    double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume of the mesh's tetrahedra, J the
+                                 ratio of present volume to rest volume; 0 = no resistance to volume change */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
-    double check_strain;    /* the tangent's inertia is assessed at least every so much depth / height */
+    double check_strain; /* the tangent's inertia is assessed at least at this interval of depth / height */
 } palp_network_settings;
 
 /* tolerance 1e-10, 50 iterations, CONTINUE, AUTO, massless, backward Euler, check every 5e-3. */
@@ -61,11 +60,10 @@ typedef struct palp_step_info {
     double residual;     /* relative residual reached */
     double force_N;      /* reaction conjugate to depth, positive = compression */
     int negative_pivots; /* of the last factor; -1 = not assessed in this step */
-    size_t inverted; /* tetrahedra of the mesh turned inside out or flat, without those a cut goes through:
-                        springs resist change of length, not this, and what the network says there is no
-                        tissue's */
-    double beyond; /* by how much the largest |element strain| is beyond the strain that the law was measured
-                      to (palp_law_beyond); 0 = within it, or that is not known */
+    size_t inverted;     /* inverted or flat tetrahedra of the mesh, without cut ones. Springs do not resist
+                            inversion; results there do not represent tissue */
+    double beyond;       /* how far the largest |element strain| exceeds the measured range of the law
+                            (palp_law_beyond); 0 = within it, or the range is unknown */
 } palp_step_info;
 
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
@@ -79,10 +77,10 @@ PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_mater
                                          palp_error *error);
 PALP_API void palp_network_free(palp_network *network); /* NULL is fine */
 
-/* A network model's network, ready to step; the caller owns it. mesh: NULL = the model's own, or that one as
- * it was placed (palp_mesh_transform). supports: NULL = palp_supports_default. settings: NULL = the default;
- * the density is the model's. Effects of the instrument are left out; ERR_UNSUPPORTED for one of the material
- * or the contact, which palp_forward_network runs. */
+/* The network of a network model, ready to step; the caller owns it. mesh: NULL = the model's own, or that
+ * one transformed (palp_mesh_transform). supports: NULL = palp_supports_default. settings: NULL = the
+ * default; the density is the model's. Effects of the instrument are left out. ERR_UNSUPPORTED: an effect of
+ * the material or the contact; palp_forward_network supports these. */
 PALP_API palp_status palp_network_from_model(const palp_model *model, const palp_mesh *mesh,
                                              size_t n_supports, const palp_support *supports,
                                              const palp_network_settings *settings, palp_network **network,
@@ -112,12 +110,11 @@ PALP_API palp_status palp_network_step(palp_network *network, double depth_m, do
 PALP_API palp_status palp_network_step_force(palp_network *network, double force_N, double dt_s,
                                              palp_step_info *info);
 
-/* The whole state (positions, history, what the predictor knows, contacts, tools, grasped nodes, cuts) into a
- * buffer of the caller's, and back into the same network or another one made and enabled alike, which drops a
- * trial. Steps then give the same as they did, to the network's tolerance, since no factor is kept.
- * ERR_ARGUMENT: a buffer too small, of a network with another mesh, other supports, another material, density
- * or terms, none; ERR_INPUT: the state's checksum is not that of its bytes. What is refused changes nothing.
- * A checksum tells damage, not malice. */
+/* Saves the whole state (positions, history, predictor, contacts, tools, grasped nodes, cuts) to the caller's
+ * buffer. Restores it to the same network or another one created and enabled alike, which drops a trial.
+ * Later steps give the same results to the network's tolerance, as factors are not saved. ERR_ARGUMENT: no
+ * buffer or one too small, or a network with another mesh, supports, material, density or terms. ERR_INPUT:
+ * wrong checksum. After an error nothing has changed. The checksum detects damage, not manipulation. */
 PALP_API size_t palp_network_state_size(const palp_network *network); /* bytes */
 PALP_API palp_status palp_network_save(const palp_network *network, void *buffer, size_t size);
 PALP_API palp_status palp_network_restore(palp_network *network, const void *buffer, size_t size);
@@ -138,14 +135,14 @@ PALP_API void palp_network_element_force(const palp_network *network, double *fo
 /* Sum of the element forces that the nodes of a set put on their support, N. */
 PALP_API palp_status palp_network_reaction(const palp_network *network, const char *set, double force_N[3]);
 
-/* Triangles of the surface as it now is, three nodes each, outward, into *triangles[3 *n]: the mesh's; of a
- * network that can be cut (palpate/cut.h) the faces of tetrahedra without a cut edge that are not shared by
- * two of them. The array is the network's, valid until the next cut. */
+/* Present triangles of the surface, outward, into *triangles[3 *n]: those of the mesh. In a network that can
+ * be cut (palpate/cut.h), faces of exactly one tetrahedron without a cut edge. The array is the network's,
+ * valid until the next cut. */
 PALP_API palp_status palp_network_surface(const palp_network *network, size_t *n, const int32_t **triangles);
 
 /* Depth range in which the tangent first lost positive definiteness: stable at *stable_m, not at
- * *unstable_m (with the STABLE branch: where the network fell to another one). false if it never did
- * since the last reset. */
+ * *unstable_m. With the STABLE branch the network then went to another equilibrium. False if that has not
+ * happened since the last reset. */
 PALP_API bool palp_network_buckled(const palp_network *network, double *stable_m, double *unstable_m);
 
 /* Called after each committed step; a non-zero return stops the run with ERR_STOPPED. */
@@ -154,8 +151,8 @@ typedef int (*palp_network_observer)(void *user, double time_s, double depth_m, 
 typedef struct palp_run_settings {
     double dt_s;      /* fixed step; each segment is cut into equal steps of at most dt_s */
     double tolerance; /* > 0: error-controlled instead, relative to the largest force so far */
-    double dt_min_s;  /* error-controlled: first step of a segment, a thousandth of it the smallest
-                         (taken whatever its error); 0 = a fiftieth of the segment, 1e-9 of it */
+    double dt_min_s;  /* error-controlled: first step of a segment; the smallest step is a thousandth of it
+                         and accepted with any error. 0 = a fiftieth of the segment, smallest 1e-9 of it */
     bool relaxed;     /* every step fully relaxed (static) */
     palp_network_observer observer; /* may be NULL */
     void *user;
@@ -165,13 +162,13 @@ typedef struct palp_run_info {
     size_t steps, rejected, iterations;
     double worst_residual;
     double peak_force_N;
-    size_t inverted; /* most of them in a step */
-    double beyond;   /* largest of a step; 0 = never */
-    double beyond_s; /* time of the path at which it first was not 0 */
+    size_t inverted; /* largest number in a step */
+    double beyond;   /* largest value in a step; 0 = never above 0 */
+    double beyond_s; /* time of the path when it was first above 0 */
 } palp_run_info;
 
-/* Follows a path from where the network is; the path's first corner is reached by an instantaneous
- * step if the network is elsewhere. Error control is by step doubling of the reaction force, of
+/* Follows a path from the present state. The path's first corner is reached by an instantaneous
+ * step if the network is not there. Error control is by step doubling of the reaction force, of
  * order 1 where a part of the solution is (backward Euler with mass, a dashpot, PALP_SEDEF2008), else 2. */
 PALP_API palp_status palp_network_run(palp_network *network, const palp_path *path,
                                       const palp_run_settings *settings, palp_run_info *info);

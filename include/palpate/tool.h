@@ -16,11 +16,11 @@ typedef enum palp_tool_shape {
 
 /* A tool and its pose, in the mesh's coordinates. Contact is one-sided: a penalty force where the surface is
  * inside the tool, quadratic in the depth at first touch and linear beyond, with Coulomb friction. A plane
- * touches nodes of the surface; a sphere or capsule touches each triangle in one point, the nearest, so that
- * a tool smaller than the mesh is felt between nodes. With subdivisions tools touch the vertices of a smooth
- * surface instead: Loop's limit surface (Loop 1987, Hoppe et al. 1994) of nodes smoothed once by the same
- * means. Its vertices are fixed means of nodes near by, so that a sliding tool feels little of the mesh. A
- * tool should be thicker than its triangles. */
+ * touches nodes of the surface. A sphere or capsule touches each triangle at its nearest point, so that even
+ * a small tool has contact between nodes. With subdivisions tools touch the vertices of a smooth surface
+ * instead: Loop's limit surface (Loop 1987, Hoppe et al. 1994) of nodes smoothed once by the same scheme. Its
+ * vertices are fixed means of nearby nodes, so that a sliding tool feels little of the mesh. A tool should be
+ * thicker than its triangles. */
 typedef struct palp_tool {
     palp_tool_shape shape;
     double position_m[3]; /* sphere: centre; capsule: the centre of its first end; plane: a point of it */
@@ -31,17 +31,17 @@ typedef struct palp_tool {
     double friction; /* Coulomb's coefficient, 0 = smooth */
 } palp_tool;
 
-/* What a tool feels: force of the tissue on it and its moment about position_m. */
+/* Force of the tissue on a tool, and its moment about position_m. */
 typedef struct palp_tool_force {
     double force_N[3];
     double moment_Nm[3];
-    size_t contacts; /* points that touch it */
-    double depth_m;  /* of the deepest of them inside the tool */
+    size_t contacts; /* points in contact */
+    double depth_m;  /* largest depth of a point inside the tool */
 } palp_tool_force;
 
 typedef struct palp_contact_settings {
-    double stiffness; /* of the penalty, in units of a surface node's own (its elements' at rest, all arms
-                         included); shared among its triangles; 20 */
+    double stiffness; /* of the penalty, relative to a surface node's stiffness by its elements at rest with
+                         all arms; shared among its triangles; 20 */
     double grasp_stiffness; /* of the spring to a grasped node's target, in the same units; 100 */
     double smoothing;       /* depth at which the penalty becomes linear, of the surface's mean edge; 0.01 */
     /* Times that each triangle of the surface becomes four for tools to touch, see palp_tool; at most 4.
@@ -49,21 +49,21 @@ typedef struct palp_contact_settings {
      * spheres and capsules stiffness then plays no part: each vertex yields by what the mesh lacks of the
      * tissue below it (doc/numerics.md), so that force hardly depends on the spacing of the nodes. */
     size_t subdivisions;
-    size_t max_contacts;    /* points near tools at once, further ones are not felt; 0 = all there can be */
+    size_t max_contacts;    /* points near tools at once, others are ignored; 0 = as many as possible */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */
 } palp_contact_settings;
 
 PALP_API palp_contact_settings palp_contact_settings_default(void);
 
-/* Makes a network ready for up to max_tools tools and max_grasped grasped nodes; all memory is allocated
- * here. Resets the network; once for each. ERR_ARGUMENT: a setting out of range, gravity for a network
+/* Prepares a network for up to max_tools tools and max_grasped grasped nodes; all memory is allocated
+ * here. Resets the network; possible once. ERR_ARGUMENT: a setting out of range, gravity for a network
  * without mass, done before; ERR_NO_MEMORY; ERR_UNSUPPORTED: tools for a mesh without triangles
  * (palp_mesh_triangles), subdivisions of a network that can be cut. */
 PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max_tools, size_t max_grasped,
                                                const palp_contact_settings *settings);
 
-/* Places the tools for the next step, copied; they stay so until the next call. Friction knows a tool by its
- * place in the list; one that moved since the last committed step moved straight from there. A step follows
+/* Sets the tools for the next steps until the next call; they are copied. A tool is identified by its index.
+ * It moves on a straight line from its place at the last committed step. A step follows
  * it in parts of at most half an edge of the surface and a quarter of its radius. ERR_ARGUMENT:
  * more than max_tools, a number that is not finite, an axis (capsule, plane) that is no unit vector within
  * 1e-6, a radius that is not positive, a negative length or friction. */
@@ -79,7 +79,7 @@ PALP_API palp_status palp_network_tool_force(const palp_network *network, palp_t
 PALP_API palp_status palp_network_grasp(palp_network *network, size_t n, const int32_t *nodes,
                                         const double *target_m);
 
-/* Lets go; nodes that are not grasped are passed over. ERR_ARGUMENT: no such node. */
+/* Releases nodes; those that are not grasped are ignored. ERR_ARGUMENT: no such node. */
 PALP_API palp_status palp_network_release(palp_network *network, size_t n, const int32_t *nodes);
 
 /* Sum of the forces of these grasped nodes on the hand at the last committed state, N; one not grasped adds

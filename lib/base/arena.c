@@ -1,4 +1,4 @@
-/* arena.c: a list of blocks, each an array behind its header. */
+/* arena.c: a list of blocks, each a header and an array. */
 #include "arena.h"
 
 #include <stdint.h>
@@ -6,7 +6,7 @@
 
 typedef struct arena_block {
     struct arena_block *before;
-    long double array[]; /* of any type: none is aligned more strictly */
+    long double array[]; /* aligned for every type */
 } arena_block;
 
 void *arena_take(arena *a, size_t n, size_t size) {

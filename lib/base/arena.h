@@ -5,17 +5,17 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* {NULL, false} is an empty one. */
+/* {NULL, false} is an empty arena. */
 typedef struct arena {
     struct arena_block *last;
-    bool failed; /* an array that was asked for is missing */
+    bool failed; /* an allocation failed */
 } arena;
 
-/* n elements of this size, all zero; also for n = 0 an array of its own. NULL and failed where there is no
- * memory. */
+/* An array of n elements of this size, all zero; n = 0 gives an array too. NULL, and failed is set, if there
+ * is no memory. */
 void *arena_take(arena *a, size_t n, size_t size);
 
-/* Frees all arrays; the arena is empty then. */
+/* Frees all arrays and empties the arena. */
 void arena_free(arena *a);
 
 #endif

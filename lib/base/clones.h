@@ -1,11 +1,10 @@
-/* clones.h: PALP_CLONES before a function makes a second version of it for processors with AVX2, which is
- * taken when the program starts. Both do the same operations in the same order, none contracted, so that they
- * give the same bits (tests/lib/network/test_network_bits.c). -DPALP_ONE_VERSION makes only the first.
- * Internal. */
+/* clones.h: PALP_CLONES before a function adds a version for processors with AVX2; the program's loader
+ * chooses. Both do the same operations in the same order, without contraction, and so give the same bits
+ * (tests/lib/network/test_network_bits.c). -DPALP_ONE_VERSION makes only the first. Internal. */
 #ifndef CLONES_H
 #define CLONES_H
 
-#include <limits.h> /* tells whether this is glibc, whose loader chooses */
+#include <limits.h> /* defines __GLIBC__ if glibc, whose loader can choose, is used */
 
 #if defined __x86_64__ && defined __GLIBC__ && defined __GNUC__ && !defined __clang__ &&                     \
     !defined __SANITIZE_ADDRESS__ && !defined PALP_ONE_VERSION

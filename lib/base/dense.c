@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Fortran's; lengths of the character arguments, which compilers append, are not read. */
+/* Fortran routines. Compilers append lengths of character arguments, which are not read. */
 void dgemm_(const char *ta, const char *tb, const int *m, const int *n, const int *k, const double *alpha,
             const double *a, const int *lda, const double *b, const int *ldb, const double *beta, double *c,
             const int *ldc);
@@ -42,7 +42,7 @@ double dense_dot(size_t n, const double *a, const double *b) {
     return sum;
 }
 
-/* BLAS returns at once where there are no columns and leaves y alone. */
+/* With no columns BLAS returns at once and leaves y unchanged. */
 static void times(const char *transposed, size_t m, size_t n, double alpha, const double *a, const double *x,
                   double beta, double *y) {
     const int rows = (int)m, columns = (int)n, ld = leading(m);
@@ -158,7 +158,7 @@ palp_status dense_eigen(size_t n, double *a, double *w) {
     return info ? PALP_ERR_NOT_CONVERGED : PALP_OK;
 }
 
-/* Least squares A x = b by QR; x into b's beginning, and what is left of b behind it. */
+/* Least squares A x = b by QR; b begins with x, followed by the residual. */
 static palp_status least_squares_in_place(size_t m, size_t n, double *a, double *b) {
     const int rows = (int)m, columns = (int)n, room = DENSE_WORK * (int)n;
     int info = 0;

@@ -1,8 +1,8 @@
-/* dense.h: dense matrices through BLAS and LAPACK, the only place that calls them. Internal.
- * Matrices are stored by columns without gaps unless a leading dimension is given: A[m n] has element (i, j)
- * at a[i + j m]. A symmetric matrix is given whole or by its lower triangle in rows, a[i n + j] with j <= i,
- * which is where a Cholesky factor L goes; what lies above it is neither read nor written. Nothing allocates
- * except dense_eigen and dense_polynomial. */
+/* dense.h: dense matrices by BLAS and LAPACK, the only place that calls them. Internal. Matrices are stored
+ * by columns without gaps unless a leading dimension is given: A[m n] has element (i, j) at a[i + j m]. A
+ * symmetric matrix is given whole or by its lower triangle in rows, a[i n + j] with j <= i. A Cholesky factor
+ * L goes there too; what is above it is neither read nor written. Only dense_eigen and dense_polynomial
+ * allocate memory. */
 #ifndef DENSE_H
 #define DENSE_H
 
@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Doubles of work[] for each row or column of a matrix, where a call asks for it. */
+/* work[] has so many doubles for each row or column of a matrix, where a call needs it. */
 enum { DENSE_WORK = 64 };
 
 double dense_dot(size_t n, const double *a, const double *b);
@@ -32,7 +32,7 @@ void dense_add_outer(size_t m, size_t n, size_t k, double alpha, const double *a
 
 /* ---- triangles ---- */
 
-/* A = L L', lower triangle in rows, in place. False if A is not positive definite; a is then spoilt. */
+/* A = L L', lower triangle in rows, in place. False if A is not positive definite; a is then overwritten. */
 bool dense_cholesky(size_t n, double *a);
 double dense_log_determinant(size_t n, const double *l); /* of L L' */
 
@@ -46,7 +46,7 @@ void dense_cholesky_solve(size_t n, const double *l, size_t count, double *b);
 bool dense_ldl(size_t n, double *a, int *pivot, double *work);
 void dense_ldl_solve(size_t n, const double *a, const int *pivot, size_t count, double *b);
 
-/* L with L L' = A'A, lower triangle in rows and zeros above, by QR; A[m n], m >= n, is overwritten. tau[n],
+/* L with L L' = A'A, lower triangle in rows and zeros above, by QR. A[m n], m >= n, is overwritten. tau[n],
  * work[DENSE_WORK n]. */
 void dense_triangle_of(size_t m, size_t n, double *a, double *tau, double *work, double *l);
 
@@ -57,10 +57,10 @@ void dense_unit_solve_right(size_t m, size_t n, const double *l, size_t ldl, dou
 void dense_band_forward(size_t n, size_t width, const double *l, size_t ld, double *b);
 void dense_band_backward(size_t n, size_t width, const double *l, size_t ld, double *b);
 
-/* ---- what allocates ---- */
+/* ---- functions that allocate ---- */
 
-/* Eigenvalues of the whole symmetric a[n n], ascending into w[n]; eigenvector k over a[k n].
- * ERR_NOT_CONVERGED. */
+/* Eigenvalues of the whole symmetric matrix a[n n], ascending, into w[n]; eigenvectors into its columns, a[k
+ * n]. ERR_NOT_CONVERGED. */
 palp_status dense_eigen(size_t n, double *a, double *w);
 
 /* Least squares of y[n] on x^low ... x^high: coefficient[high - low + 1] by ascending powers, *norm the

@@ -1,4 +1,4 @@
-/* file.c: one-line errors, reading a whole file, and writing one that is never half there. */
+/* file.c: one-line errors, reading a whole file, and writing a file all or nothing. */
 #define _XOPEN_SOURCE 700 /* realpath, fsync, strerror_r */
 #include "file.h"
 
@@ -50,16 +50,16 @@ palp_status palp_error_set_file(palp_error *error, const char *path, const char 
     if (strerror_r(number, reason, sizeof reason) || !reason[0])
         snprintf(reason, sizeof reason, "error %d", number);
     size_t n = strlen(path),
-           most = PALP_ERROR_TEXT / 2; /* of a longer one the end, so that the reason is said */
+           most = PALP_ERROR_TEXT / 2; /* of a longer path only the end, so that the reason fits */
     return palp_error_set(error, PALP_ERR_FILE, "%s%s: %s: %s", n > most ? "..." : "",
                           n > most ? path + n - most : path, what, reason);
 }
 
-/* Room for a regular file of its size, else a first guess. */
+/* Buffer for a file: its size if it is a regular file, otherwise a first guess. */
 static size_t size_guess(FILE *stream) {
     struct stat info;
     if (fstat(fileno(stream), &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0)
-        return (size_t)info.st_size + 2; /* the NUL, and one more so that fread meets the end */
+        return (size_t)info.st_size + 2; /* for the NUL, and one more so that fread finds the end */
     return 65536;
 }
 
@@ -117,10 +117,10 @@ static void file_free(palp_file *file) {
     memset(file, 0, sizeof *file);
 }
 
-/* Opens target.PID.N.tmp for the first N that is not taken, with the permissions of the file that it is to
- * replace (NULL: none); -1 with errno if it cannot be made. */
+/* Opens target.PID.N.tmp for the first free N, with the permissions of the file that it replaces (NULL:
+ * none). -1 with errno if that fails. */
 static int open_temporary(palp_file *file, const struct stat *replaced) {
-    enum { SUFFIX = 48, BASE_MOST = 255 - SUFFIX }; /* a name of 255 bytes is as long as it may be */
+    enum { SUFFIX = 48, BASE_MOST = 255 - SUFFIX }; /* a file name has at most 255 bytes */
     const char *slash = strrchr(file->target, '/');
     size_t folder = slash ? (size_t)(slash + 1 - file->target) : 0, room = strlen(file->target) + SUFFIX;
     char *larger = realloc(file->temporary, room);
@@ -139,7 +139,7 @@ static int open_temporary(palp_file *file, const struct stat *replaced) {
     }
     if (fd >= 0 && replaced) {
         if (fchown(fd, replaced->st_uid, replaced->st_gid) != 0)
-            errno = 0; /* who may not give it away keeps it */
+            errno = 0; /* without the right to change the owner it stays */
         fchmod(fd, replaced->st_mode & 0777);
     }
     return fd;
@@ -154,7 +154,7 @@ static int open_target(palp_file *file) {
                                            : open_temporary(file, there ? &info : NULL);
 }
 
-/* Makes *path what the symbolic link there points to; 0 or an errno, EINVAL: it is no link. */
+/* Replaces *path by the target of the symbolic link there; 0 or an errno, EINVAL if it is no link. */
 static int follow_link(char **path) {
     char to[PATH_MAX];
     ssize_t n = readlink(*path, to, sizeof to);
@@ -173,7 +173,7 @@ static int follow_link(char **path) {
     return 0;
 }
 
-/* The path without symbolic links, also where the last points to what is not there; an errno. */
+/* Resolves symbolic links, even if the last one's target does not exist; returns an errno. */
 static int resolve(const char *path, char **target) {
     enum { LINKS_MOST = 40 };
     struct stat info;
@@ -214,8 +214,8 @@ palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error
     return palp_error_set_file(error, path, "cannot write", number);
 }
 
-/* Closes; 0, or the system's number of what went wrong since it was opened. A failure that an earlier write
- * met, and whose number is lost, is met again by one more byte. */
+/* Closes the file; 0, or the errno of the first failure since it was opened. If an earlier write failed and
+ * its errno is lost, writing one more byte finds it again. */
 static int finish(palp_file *file, bool durable) {
     int fd = fileno(file->stream);
     errno = 0;
@@ -236,7 +236,7 @@ static int replace(const palp_file *file) {
     return file->temporary[0] && rename(file->temporary, file->target) != 0 ? errno : 0;
 }
 
-/* Removes what is left of it; the status of a number. */
+/* Removes the unfinished file; returns the status for an errno. */
 static palp_status leave(palp_file *file, int number, palp_error *error) {
     if (number && file->temporary[0])
         unlink(file->temporary);

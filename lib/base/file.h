@@ -1,4 +1,4 @@
-/* file.h: one-line errors of what reads and writes files. */
+/* file.h: one-line errors, and functions that read and write files. */
 #ifndef PALP_FILE_H
 #define PALP_FILE_H
 
@@ -11,8 +11,8 @@
 #define PALP_PRINTF(text, first)
 #endif
 
-/* Fills *error (NULL is fine) with status and the formatted text, made one line: control characters
- * become '?'. Returns status. */
+/* Sets *error (NULL is fine) to status and the formatted text, as one line: control characters become '?'.
+ * Returns status. */
 palp_status palp_error_set(palp_error *error, palp_status status, const char *format, ...) PALP_PRINTF(3, 4);
 
 /* The same with "path:line: " in front. */

@@ -1,4 +1,4 @@
-/* json.c: strict reading of JSON files: every key known, every error with its line. */
+/* json.c: strict reading of JSON files: unknown keys are errors, and errors give the line. */
 #include "json.h"
 
 #include <stdarg.h>
@@ -40,7 +40,7 @@ void palp_json_close(palp_json_file *file) {
     file->text = NULL;
 }
 
-/* The walk below only sees text that Jansson has parsed; it stops at the NUL all the same. */
+/* Jansson has parsed this text, so the walk needs no error checks; it still stops at the NUL. */
 
 static const char *skip_blank(const char *p) {
     return p + strspn(p, " \t\r\n");
@@ -90,7 +90,7 @@ static const char *member_start(const char *object, const char *key) {
             return p;
         p = next_start(key_value(p));
     }
-    return object; /* a key with escapes: as near as can be told */
+    return object; /* a key with escapes: the nearest known place */
 }
 
 static const char *item_start(const char *array, size_t index) {

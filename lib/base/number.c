@@ -20,7 +20,7 @@ void palp_locale_leave(palp_locale *scope) {
     freelocale(scope->c);
 }
 
-/* w 10^exponent where both are exact doubles: one rounding, as strtod's (Clinger 1990). */
+/* w 10^exponent if both are exact doubles: rounded once, as by strtod (Clinger 1990). */
 static bool exact_product(uint64_t w, int exponent, double *value) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -39,7 +39,7 @@ static const char *digits_read(const char *p, uint64_t *w) {
     return p;
 }
 
-/* An exponent part at p, if there is a whole one, into *exponent; returns its end. */
+/* Reads an exponent part at p, if complete, into *exponent; returns its end. */
 static const char *exponent_read(const char *p, int *exponent) {
     const char *digit = p + 1;
     bool negative = *digit == '-';

@@ -14,10 +14,9 @@ typedef struct palp_locale {
 bool palp_locale_enter(palp_locale *scope); /* false: out of memory */
 void palp_locale_leave(palp_locale *scope);
 
-/* Reads [+-]digits[.digits][e[+-]digits] (digits on either side of the point may be missing) from
- * NUL-terminated text; the value is bit for bit strtod's. Returns where it ended, or NULL where no
- * number stands (nan, inf and hexadecimal are none). Too large a number gives an infinity.
- * Inside a palp_locale. */
+/* Reads [+-]digits[.digits][e[+-]digits] from NUL-terminated text; digits may be missing on one side of the
+ * point. The value is bit for bit strtod's. Returns its end, or NULL if there is no number; nan, inf and
+ * hexadecimal are not accepted. Too large a number gives an infinity. Needs a palp_locale. */
 const char *palp_number_parse(const char *text, double *value);
 
 enum { PALP_NUMBER_TEXT = 32 };

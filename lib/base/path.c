@@ -1,4 +1,4 @@
-/* path.c: the depth of the plate against time, piecewise linear. */
+/* path.c: the plate's depth over time, piecewise linear. */
 #include <palpate/path.h>
 
 #include <math.h>
@@ -46,7 +46,7 @@ palp_status palp_path_static(double depth_m, double rate_m_s, palp_path *path) {
     return create(2, time_s, corner_m, false, path);
 }
 
-/* 0 to value in ramp_s (at once if 0), then held for hold_s (not at all if 0). */
+/* From 0 to value in ramp_s (at once if 0), then constant for hold_s (none if 0). */
 static palp_status ramp_hold(double value, double ramp_s, double hold_s, bool force, palp_path *path) {
     memset(path, 0, sizeof *path);
     if (!(ramp_s >= 0) || !(hold_s >= 0))

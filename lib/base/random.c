@@ -1,9 +1,9 @@
-/* random.c: see random.h. Normal numbers are Box and Muller's. */
+/* random.c: see random.h. Normal numbers by Box and Muller. */
 #include <palpate/random.h>
 
 #include <math.h>
 
-static const uint64_t STEP = UINT64_C(0x9e3779b97f4a7c15); /* by which the state moves on */
+static const uint64_t STEP = UINT64_C(0x9e3779b97f4a7c15); /* increment of the state */
 static const double TURN = 6.28318530717958647692;
 
 uint64_t palp_random_next(uint64_t *state) {

@@ -12,7 +12,7 @@ double statistics_mean(const double *x, size_t n) {
     return sum / (double)n;
 }
 
-/* Hoare's quickselect; the middle as pivot, so that sorted and constant data are no worse than others. */
+/* Hoare's quickselect; the pivot is the middle element, so that sorted and constant data are not slow. */
 double statistics_kth(double *x, size_t n, size_t k) {
     ptrdiff_t low = 0, high = (ptrdiff_t)n - 1, wanted = (ptrdiff_t)k;
     while (low < high) {
@@ -68,7 +68,8 @@ statistics_line statistics_line_fit(size_t n, const double *x, const double *y, 
     return line;
 }
 
-/* Distribution of chi squared: closed for 1 and 2 degrees of freedom, by recursion for more. */
+/* Distribution function of chi squared: closed form for 1 and 2 degrees of freedom, otherwise by
+ * recursion. */
 static double chi2_below(size_t freedom, double x) {
     size_t k = freedom % 2 ? 1 : 2;
     double below = k == 1 ? erf(sqrt(0.5 * x)) : -expm1(-0.5 * x);
@@ -80,7 +81,7 @@ static double chi2_below(size_t freedom, double x) {
     return below;
 }
 
-/* What a normal number stays below with that probability, at least a half, to 5e-4 (Abramowitz and Stegun
+/* Quantile of the normal distribution, for a share of at least a half, to 5e-4 (Abramowitz and Stegun
  * 26.2.23). */
 static double normal_quantile(double share) {
     double t = sqrt(-2.0 * log(1.0 - share));
@@ -88,7 +89,7 @@ static double normal_quantile(double share) {
                    (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
 }
 
-/* Of many degrees of freedom by Wilson and Hilferty, to 1e-4; the sum would take long and underflow. */
+/* Many degrees of freedom: Wilson and Hilferty, to 1e-4, as the sum would be slow and underflow. */
 double statistics_chi2_quantile(size_t freedom, double share) {
     enum { MANY = 100 };
     if (freedom > MANY) {
@@ -107,7 +108,8 @@ double statistics_chi2_quantile(size_t freedom, double share) {
     return high;
 }
 
-/* Within x, by the sums for odd and even degrees of freedom (Abramowitz and Stegun, 26.7.3 and 26.7.4). */
+/* Probability within x, by the sums for odd and even degrees of freedom (Abramowitz and Stegun, 26.7.3 and
+ * 26.7.4). */
 static double student_within(size_t freedom, double x) {
     double angle = atan(x / sqrt((double)freedom)), c = cos(angle), s = sin(angle), term = 1.0, sum = 0.0;
     if (freedom % 2) {

@@ -1,9 +1,9 @@
-/* text.c: what bytes are text, and text that a terminal shows as one line. */
+/* text.c: valid UTF-8, and text that a terminal shows as one line. */
 #include "text.h"
 
 #include <palpate/file.h>
 
-/* Bytes of the character at p, which is not the end; 0 = no UTF-8. *code is its number. */
+/* Length of the character at p, which is not the end; 0 = invalid UTF-8. *code is its code point. */
 static int utf8_length(const unsigned char *p, unsigned long *code) {
     static const unsigned long least[] = {0, 0x80, 0x800, 0x10000};
     int more = *p < 0x80 ? 0 : *p < 0xC2 ? -1 : *p < 0xE0 ? 1 : *p < 0xF0 ? 2 : *p < 0xF5 ? 3 : -1;
@@ -25,7 +25,7 @@ bool palp_text_is_utf8(const char *text) {
     return n > 0;
 }
 
-/* Control characters, line and paragraph separators, and what changes the direction of writing. */
+/* Control characters, line and paragraph separators, and marks of writing direction. */
 static bool is_control(unsigned long code) {
     return code < ' ' || (code >= 0x7F && code < 0xA0) || (code >= 0x2028 && code <= 0x202E) ||
            (code >= 0x2066 && code <= 0x2069);

@@ -1,10 +1,10 @@
-/* text.h: what bytes are text. */
+/* text.h: valid UTF-8. */
 #ifndef PALP_TEXT_H
 #define PALP_TEXT_H
 
 #include <stdbool.h>
 
-/* UTF-8 without overlong forms and surrogates, which is what Jansson takes as text. */
+/* Is it UTF-8 without overlong forms and surrogates, as Jansson requires? */
 bool palp_text_is_utf8(const char *text);
 
 #endif

@@ -1,5 +1,4 @@
-/* contact_find.c: which nodes and triangles of the surface are near a tool, and where it is nearest to them.
- */
+/* contact_find.c: nodes and triangles of the surface near a tool, and the nearest points on the tool. */
 #include "contact_internal.h"
 
 #include <string.h>
@@ -10,7 +9,7 @@ static const double BEND = 0.25;  /* of a tool's radius: so far its contacts kee
 static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that the nearest point is one also
                                      where a capsule lies flat on it */
 static const double STEEP =
-    0.5; /* cosine between tool and triangle below which a contact fades, to 0 at 90 deg */
+    0.5; /* cosine between tool and triangle below which a contact's stiffness falls, to 0 at 90 deg */
 
 double contact_distance(const palp_tool *tool, const double point[3]) {
     double d[3];
@@ -21,7 +20,7 @@ double contact_distance(const palp_tool *tool, const double point[3]) {
     return sqrt(dot3(d, d));
 }
 
-/* May a triangle be within a distance of a tool's axis? Judged by the sphere around its middle. */
+/* Could a triangle be within this distance of a tool's axis? Uses the sphere around its middle. */
 static bool near(const palp_tool *tool, double distance, const double *const corner[3]) {
     double middle[3], radius = 0.0;
     for (int k = 0; k < 3; k++)
@@ -34,7 +33,7 @@ static bool near(const palp_tool *tool, double distance, const double *const cor
     return contact_distance(tool, middle) <= distance + sqrt(radius);
 }
 
-/* How fast the distance of a triangle to the point at t of a capsule's axis grows with t. */
+/* Slope of the distance to the triangle from the point at t of a capsule's axis. */
 static double slope_at(const palp_tool *tool, double t, const double *const corner[3]) {
     double centre[3], pulled[3], share[3];
     along3(tool->position_m, t, tool->axis, centre);
@@ -47,7 +46,7 @@ static double slope_at(const palp_tool *tool, double t, const double *const corn
     return dot3(centre, tool->axis);
 }
 
-/* The place of a capsule's axis nearest to a triangle. The distance is convex: regula falsi (Illinois) on its
+/* Point of a capsule's axis nearest to a triangle. The distance is convex: regula falsi (Illinois) on its
  * slope. */
 static double nearest_along(const palp_tool *tool, const double *const corner[3]) {
     enum { ROUNDS = 12 };
@@ -84,8 +83,7 @@ double contact_slid(const contact_set *set, const contact *c, const double *x) {
     return fabs(nearest_along(&set->pose[c->tool], corner) - c->along);
 }
 
-/* 1 where the tool meets a surface with this normal from above, less where it comes from the side, 0 where it
- * is behind. */
+/* 1 where the tool meets a surface with this normal from above, less from the side, 0 from behind. */
 static double fading(const palp_tool *tool, const double normal[3], const contact *c) {
     double to[3], length = sqrt(dot3(normal, normal));
     along3(tool->position_m, c->along, tool->axis, to);
@@ -95,8 +93,8 @@ static double fading(const palp_tool *tool, const double normal[3], const contac
     return cosine >= 1.0 ? 1.0 : cosine > 0.0 ? cosine * cosine * (3.0 - 2.0 * cosine) : 0.0;
 }
 
-/* The factor of a contact's stiffness: 1 where the tool meets the triangle from above, less where it comes
- * from the side, 0 where it is behind. */
+/* Factor of a contact's stiffness: 1 where the tool meets the triangle from above, less from the side, 0 from
+ * behind. */
 static double facing(const palp_tool *tool, const double *const corner[3], double edge, const contact *c) {
     double ab[3], ac[3], normal[3];
     along3(corner[1], -1.0, corner[0], ab);
@@ -110,7 +108,7 @@ static double facing(const palp_tool *tool, const double *const corner[3], doubl
     return fading(tool, normal, c);
 }
 
-/* What the last committed state remembers of a contact, or NULL. They are in order mostly. */
+/* The committed state's record of a contact, or NULL. Records are mostly in the order of contacts. */
 static const contact_touch *find_touch(const contact_set *set, const contact *c, size_t *cursor) {
     const contact_touch *touch = set->now.touch;
     size_t n = set->now.n_touches;
@@ -124,8 +122,8 @@ static const contact_touch *find_touch(const contact_set *set, const contact *c,
     return NULL;
 }
 
-/* How a point of the tool that was at place has moved since the last committed state: with its position, and
- * with its axis by the smallest turn. */
+/* Where a point of the tool that was at place is now: it follows the tool's position and the smallest
+ * rotation of its axis. */
 static void tool_moved(const palp_tool *was, const palp_tool *is, const double place[3], double moved[3]) {
     double arm[3], turn[3], once[3], twice[3];
     along3(is->position_m, -1.0, was->position_m, moved);
@@ -142,8 +140,8 @@ static void tool_moved(const palp_tool *was, const palp_tool *is, const double p
         moved[k] += once[k] + twice[k] / (1.0 + cosine);
 }
 
-/* Where friction's spring starts from, and the share of the step it has been touching for. False for a tool
- * that came from below the surface. */
+/* Sets where friction's spring starts, and the share of the step since contact began. False for a tool that
+ * came from below the surface. */
 static bool anchor(const contact_set *set, const double *committed, contact *c, size_t *cursor) {
     const palp_tool *pose = &set->pose[c->tool], *was = &set->now.pose[c->tool];
     bool known = (size_t)c->tool < set->now.n_tools && was->shape == pose->shape;
@@ -173,11 +171,11 @@ static bool anchor(const contact_set *set, const double *committed, contact *c, 
     return !(before.distance < 0.0);
 }
 
-/* A search through the tools' surroundings. */
+/* A search around the tools. */
 typedef struct search {
     contact_set *set;
-    const double *committed, *x; /* places of the nodes */
-    size_t cursor;               /* in the remembered touches */
+    const double *committed, *x; /* positions of the nodes */
+    size_t cursor;               /* in the committed records of contact */
 } search;
 
 static void add(search *s, contact *c) {
@@ -201,7 +199,7 @@ static void find_nodes(search *s, int32_t tool, double reach) {
     }
 }
 
-/* The factor of the stiffness of a node's contact, by the mean normal of the triangles around it. */
+/* Factor of the stiffness of a node's contact, by the mean normal of its triangles. */
 static double node_facing(const contact_set *set, const palp_tool *tool, const contact *c, const double *x) {
     double normal[3] = {0.0}, ab[3], ac[3], own[3];
     const int32_t node = c->node[0];
@@ -256,7 +254,7 @@ static double triangle_stiffness(const contact_set *set, const int32_t *node) {
     return set->settings.stiffness * set->modulus * sum;
 }
 
-/* low, high: the box around a tool, larger by slack. */
+/* low, high: the box around a tool, enlarged by slack. */
 static void box(const palp_tool *tool, double slack, double low[3], double high[3]) {
     for (int k = 0; k < 3; k++) {
         double start = tool->position_m[k];

@@ -1,5 +1,5 @@
-/* contact_internal.h: tools on a surface of nodes and triangles, of a network or of anything else that has
- * such. Internal. Places of nodes are x[3 n_nodes], m. */
+/* contact_internal.h: tools on a surface of nodes and triangles, of a network or another model. Internal.
+ * Positions of nodes are x[3 n_nodes], m. */
 #ifndef CONTACT_INTERNAL_H
 #define CONTACT_INTERNAL_H
 
@@ -14,27 +14,29 @@
 typedef struct contact {
     int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1, share = {1, 0, 0} */
     int32_t corners;
-    double along; /* place of the nearest sphere on a capsule's axis, m; for a triangle it stays for a step */
+    double
+        along; /* position on a capsule's axis of the nearest sphere, m; constant in a step for a triangle */
     double stiffness;      /* N/m */
-    double stick_share[3]; /* barycentric coordinates of the point that friction acts on, for a step */
-    double anchor[3];      /* friction's spring starts here and goes with the tool */
-    double doubt;          /* error of the force that is in where friction's spring starts, N */
-    bool touched;          /* in the committed state */
-    double entry;          /* share of the step that it has been touching for */
-    /* of the last evaluation */
+    double stick_share[3]; /* barycentric coordinates of the point of friction, constant in a step */
+    double anchor[3];      /* start of friction's spring, moves with the tool */
+    double doubt;          /* error of the force in the start of friction's spring, N */
+    bool touched;          /* touched in the committed state */
+    double entry;          /* share of the step since contact began */
+    /* at the last evaluation */
     double depth, pressure; /* m, N */
     double share[3];        /* barycentric coordinates of the nearest point */
-    double gradient[3][3]; /* of the shares on the triangle, 1/m; on an edge or in a corner those of the edge,
-                              none */
-    double distance; /* from the point to the sphere's centre, negative if that is below the triangle, m */
+    double gradient[3][3];  /* of the shares on the triangle, 1/m; along the edge only on an edge, 0 in a
+                               corner */
+    double
+        distance; /* from the point to the sphere's centre, negative if the centre is below the triangle, m */
     double point[3];
     double normal[3];         /* unit vector from the tool into the tissue */
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
     double stretch[3];        /* of friction's spring, m */
     double friction[3];       /* friction force on the tissue, N */
-    double kept;              /* share of its spring's stretch that slipping has left: 1 = it sticks */
+    double kept;              /* share of the spring's stretch that remains after slip: 1 = it sticks */
     double friction_tangent[6];
-    double drag[3]; /* friction that slips, d friction / d way along the normal, N/m; 0 if it sticks */
+    double drag[3]; /* sliding friction: d friction / d displacement along the normal, N/m; 0 if it sticks */
 } contact;
 
 /* A contact that touched, with friction's spring. */
@@ -43,7 +45,7 @@ typedef struct contact_touch {
     double stretch[3], doubt;
 } contact_touch;
 
-/* What a state remembers. */
+/* What a state keeps of contacts. */
 typedef struct contact_state {
     size_t n_tools, n_touches;
     palp_tool *pose;       /* [max_tools] */
@@ -51,8 +53,7 @@ typedef struct contact_state {
     contact_touch *touch;  /* [max_contacts] */
 } contact_state;
 
-/* Nodes that may touch a tool, and the triangles around each node: around[first[i]] to around[first[i + 1]].
- */
+/* Nodes that tools may touch, and the triangles around each: around[first[i]] to around[first[i + 1]]. */
 typedef struct contact_points {
     size_t n;
     const int32_t *node; /* [n] */
@@ -64,12 +65,12 @@ typedef struct contact_set {
     palp_contact_settings settings;
     size_t n_nodes, max_tools, max_contacts;
     size_t n_tools;
-    palp_tool *tool;  /* [max_tools] as told */
-    palp_tool *pose;  /* [max_tools] as the present evaluation has them */
-    double share;     /* of their way from the committed state */
+    palp_tool *tool;  /* [max_tools] as set by the caller */
+    palp_tool *pose;  /* [max_tools] at the present evaluation */
+    double share;     /* share of their way from the committed state */
     contact *contact; /* [max_contacts] */
     size_t n_contacts;
-    const int32_t *surface; /* [3 n_surface] triangles, outward; the caller's */
+    const int32_t *surface; /* [3 n_surface] triangles, outward; owned by the caller */
     size_t n_surface;
     int32_t *triangles;  /* [n_nodes] of the surface that meet in a node */
     const double *unit;  /* [n_nodes] a node's own stiffness over that of an element, 1/m; the caller's */
@@ -84,95 +85,94 @@ typedef struct contact_set {
 
 /* ---- contact_set.c ---- */
 
-/* rest and surface at rest; edge: taken where there are no triangles. Its arrays are of the arena. */
+/* rest and surface are at rest; edge replaces the mean edge where there are no triangles. Its arrays belong
+ * to the arena. */
 palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest,
                                size_t n_surface, const int32_t *surface, const double *unit, double edge,
                                size_t max_tools, const palp_contact_settings *settings);
 void contact_set_reset(contact_set *set);
 
-/* Another surface on the same nodes. */
+/* Replaces the surface, with the same nodes. */
 void contact_set_surface(contact_set *set, size_t n, const int32_t *surface);
 
-/* The poses for the next step, copied. ERR_ARGUMENT: see palp_network_set_tools. */
+/* Copies the poses for the next step. ERR_ARGUMENT: see palp_network_set_tools. */
 palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools);
 
-/* Tools at a share of their way from the committed state, where nodes were at committed; contacts as they are
- * at x. */
+/* Puts tools at a share of their way from the committed state, with its nodes at committed; finds contacts at
+ * x. */
 void contact_set_place(contact_set *set, double share, const double *committed, const double *x);
 
-/* How far tools have come or moved since the committed state, in strides of each; 0 = none has. */
+/* Largest distance that a tool moves or appears in since the committed state, in strides; 0 = none moves. */
 double contact_set_way(const contact_set *set);
 
-/* Forces at x, added to force[3 n_nodes]; *squares as network_term residual. */
+/* Forces at x, added to force[3 n_nodes]; *squares as for residual in network_term.h. */
 void contact_set_evaluate(contact_set *set, const double *x, double *force, double *squares);
 
-/* If a contact's point moved so far that it is not the nearest to the tool any more: looks for contacts anew
- * at x. */
+/* Finds contacts again at x if a contact's point is no longer the nearest to the tool; true if so. */
 bool contact_set_refresh(contact_set *set, const double *committed, const double *x);
 
-/* The step is solved at x: what lasts into set->next. swap: next becomes now. */
+/* After a step solved at x: sets what set->next keeps. contact_set_swap makes next the committed state. */
 void contact_set_finish(contact_set *set, const double *x);
 void contact_set_swap(contact_set *set);
 
-/* After finish, of a state whose forces are off by error: what of it friction's springs remember, of all of
- * them, N. */
+/* After finish, for a state whose forces have this error: the part of it that friction's springs keep,
+ * summed, N. */
 double contact_set_doubt(contact_set *set, double error);
 
-/* After finish: is a tool in the body of this surface[3 n] without touching it? */
+/* After finish: is a tool inside the body of surface[3 n] without touching it? */
 bool contact_set_inside(const contact_set *set, size_t n, const int32_t *surface, const double *x);
 
-/* Adds a force on the tissue, size times force, at a point of it to what the tool in this pose feels. */
+/* Adds a force on the tissue, size times force at this point, to what the tool in this pose feels. */
 void contact_feel(const palp_tool *pose, const double point[3], double size, const double force[3],
                   palp_tool_force *felt);
 
 /* ---- contact_find.c ---- */
 
-/* Fills set->contact with what is near the tools at x; anchors are set from the committed state. */
+/* Fills set->contact with points near the tools at x; friction starts from the committed state. */
 void contact_find(contact_set *set, const double *committed, const double *x);
 
-/* How far a tool goes in this step, to this pose, m. */
+/* Distance that a tool moves in this step to this pose, m. */
 double contact_travel(const contact_set *set, const palp_tool *pose, size_t tool);
 
-/* How far a tool is followed at once, m. */
+/* Distance over which a tool can be followed in one part, m. */
 double contact_stride(const contact_set *set, const palp_tool *tool);
 
-/* From a point to the nearest of a sphere's centre or a capsule's axis, m; from a plane, 0 behind it. */
+/* Distance from a point to a sphere's centre, a capsule's axis or a plane (0 behind it), m. */
 double contact_distance(const palp_tool *tool, const double point[3]);
 
-/* How far along a capsule the place that is nearest to the contact's triangle now is from where it is taken,
- * m. */
+/* Distance along a capsule from the contact's point on the axis to that now nearest to its triangle, m. */
 double contact_slid(const contact_set *set, const contact *c, const double *x);
 
 /* ---- contact_point.c ---- */
 
-/* Depth, normal, share, distance, gradient with the tool in this pose and nodes at x. */
+/* Computes depth, normal, share, distance and gradient for the tool in this pose and nodes at x. */
 void contact_measure(const palp_tool *tool, contact *c, const double *x);
 
-/* The place of a capsule's axis nearest to a point, m; 0 for another tool. */
+/* Position on a capsule's axis nearest to a point, m; 0 for other tools. */
 double contact_along(const palp_tool *tool, const double point[3]);
 
 /* Force and tangent at x. */
 void contact_evaluate(const contact_set *set, contact *c, const double *x);
 
-/* out += -d force / d x times u, both [3 n_nodes]: the symmetric part, and all of it. */
+/* out += -d force / d x times u, both [3 n_nodes]: the symmetric part; and all of it. */
 typedef void contact_product(const contact *c, const double *u, double *out);
 contact_product contact_times, contact_whole_times;
 
 /* k[9] = -d force on corner a / d corner b, by rows. */
 void contact_block(const contact *c, int a, int b, double k[9]);
 
-/* Potential of its pressure, J. */
+/* Potential of its normal force, J. */
 double contact_energy(const contact_set *set, const contact *c);
 
-/* Barycentric coordinates of the point of a triangle that is nearest to p. */
+/* Barycentric coordinates of the point of a triangle nearest to p. */
 void contact_nearest(const double *const corner[3], const double p[3], double share[3]);
 
-/* Sum of share[i] times what its nodes have in x[3 n_nodes]. */
+/* Sum of share[i] times the contact's nodes in x[3 n_nodes]. */
 void contact_point(const contact *c, const double share[3], const double *x, double point[3]);
 
 /* ---- terms of a network ---- */
 
-/* Grasped nodes (grasp.c); NULL: out of memory. */
+/* Term for grasped nodes (grasp.c); NULL: out of memory. */
 network_term *grasp_new(size_t max_grasped, double stiffness);
 
 /* The tools of a network, or NULL. */

@@ -1,4 +1,4 @@
-/* contact_layer.c: tools that touch a skin in place of a network's triangles. */
+/* contact_layer.c: tools that touch a smooth surface (skin.h) instead of a network's triangles. */
 #include "contact_term.h"
 
 #include "mesh/mesh_internal.h"
@@ -67,8 +67,8 @@ static void list_active(contact_layer *l, const contact_set *set) {
         }
 }
 
-/* Is a node so near a tool, on its way through this step, that a vertex of the node may touch it? Elements
- * stretch to twice their length at most here. */
+/* Is a node so near a tool's way in this step that one of its vertices may be touched? Assumes that elements
+ * stretch to twice their length at most. */
 static bool may_touch(const contact_layer *l, const contact_set *set, const double *x) {
     for (size_t i = 0; i < set->n_tools; i++) {
         const palp_tool *tool = &set->tool[i];
@@ -80,7 +80,7 @@ static bool may_touch(const contact_layer *l, const contact_set *set, const doub
     return false;
 }
 
-/* The vertices near tools, and where they are and were. */
+/* Lists vertices near tools, with their present and committed positions. */
 static void list_near(contact_layer *l, contact_set *set, const double *now, const double *next) {
     const skin *s = &l->skin;
     size_t n = 0;
@@ -128,7 +128,7 @@ size_t layer_corner(const contact_layer *l, int32_t vertex, const int32_t **node
 
 /* ---- forces and tangent -------------------------------------------------------------------------- */
 
-/* What the vertices have in out to the nodes. */
+/* Distributes the forces of vertices in out to the nodes. */
 static void give(const contact_layer *l, double *to) {
     for (size_t i = 0; i < l->n_active; i++) {
         double *force = l->out + 3 * l->active[i];
@@ -152,7 +152,7 @@ void layer_times(const contact_layer *l, const contact_set *set, contact_product
     give(l, out);
 }
 
-/* half[9 (n a + i)]: sum over corners b of the block of corners a and b times what b has of node i. */
+/* half[9 (n a + i)]: sum over corners b of block (a, b) times the weight of node i in corner b. */
 static void half_blocks(const contact_layer *l, const contact *c, size_t n) {
     memset(l->half, 0, 9 * n * (size_t)c->corners * sizeof *l->half);
     for (int a = 0; a < c->corners; a++)
@@ -167,7 +167,7 @@ static void half_blocks(const contact_layer *l, const contact *c, size_t n) {
         }
 }
 
-/* Adds the block of nodes i and j <= i of a contact's n to that of the pair. */
+/* Adds the block of nodes i and j <= i, among the n of a contact, to that of their pair. */
 static void add_pair(const contact_layer *l, const contact *c, size_t n, size_t i, size_t j,
                      size_t *n_touched) {
     const uint32_t pair = skin_pair(&l->skin, l->stencil[j], l->stencil[i]);

@@ -1,12 +1,11 @@
-/* contact_set.c: tools on a surface through a step: placed, evaluated, felt, remembered. */
+/* contact_set.c: tools on a surface during a step: placement, forces, history. */
 #include "contact_internal.h"
 
 #include <string.h>
 
 static const double LINGERS =
-    0.98; /* of its doubt, at least, that a spring which slips keeps from step to step */
-static const double SLID =
-    0.1; /* of an edge: a contact point that the solution moved so far is looked for again */
+    0.98;                       /* least share of its error that a slipping spring keeps from step to step */
+static const double SLID = 0.1; /* in edges: a contact whose point moved so far is found anew */
 
 /* ---- making -------------------------------------------------------------------------------------- */
 
@@ -97,8 +96,8 @@ double contact_set_way(const contact_set *set) {
     return longest;
 }
 
-/* Is a point in the body? By the faces that it is below, over those that it is above: a line along y leaves
- * the body as often as it enters it. Edges belong to the face on one side of them alone. */
+/* Is a point in the body? A line along y leaves the body as often as it enters: counts faces below less faces
+ * above. An edge belongs to one of its faces. */
 static bool in_body(size_t n, const int32_t *surface, const double *x, const double *p) {
     bool inside = false;
     for (size_t i = 0; i < n; i++) {
@@ -136,7 +135,7 @@ bool contact_set_inside(const contact_set *set, size_t n, const int32_t *surface
 
 /* ---- a step -------------------------------------------------------------------------------------- */
 
-/* A tool part of the way from where it was; a new one is where it is to be. */
+/* A tool at this share of its way; a new tool is at its target. */
 static palp_tool pose_at(const contact_set *set, size_t i, double share) {
     const palp_tool *was = &set->now.pose[i];
     palp_tool pose = set->tool[i];
@@ -224,13 +223,13 @@ void contact_set_finish(contact_set *set, const double *x) {
     }
 }
 
-/* What friction holds of a contact at most, N. */
+/* Largest friction force of a contact, N. */
 static double held(const contact_set *set, const contact *c) {
     return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
 }
 
-/* A spring that slips forgets what it was off by across its way, and is off along it by what that was solved
- * to, as is one that starts; never by more than from one side of what it holds to the other. */
+/* A slipping spring loses its error across the slip, and along it has the error of the solution, as has a new
+ * spring. The error is at most twice the largest friction force. */
 double contact_set_doubt(contact_set *set, double error) {
     double all = 0.0, sum = 0.0;
     contact_touch *t = set->next.touch;

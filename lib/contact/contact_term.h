@@ -5,13 +5,13 @@
 #include "contact_internal.h"
 #include "skin.h"
 
-/* A contact_set on a skin's vertices in place of the nodes. */
+/* A contact_set whose points are the vertices of a smooth surface instead of the nodes. */
 typedef struct contact_layer {
     skin skin;
-    double *x, *committed; /* [3 skin.n] places of vertices */
-    double *in, *out;      /* [3 skin.n] of those in contact; out is zero between uses */
+    double *x, *committed; /* [3 skin.n] positions of vertices */
+    double *in, *out;      /* [3 skin.n] vectors at vertices in contact; out is zero between uses */
     int32_t *near;         /* [skin.n] vertices near tools */
-    int32_t *active;       /* [n_active] those of contacts */
+    int32_t *active;       /* [n_active] vertices of contacts */
     bool *is_active;       /* [skin.n] */
     size_t n_active;
     double *block;     /* [9 n_pairs], zero between uses */
@@ -25,16 +25,16 @@ typedef struct contact_layer {
 typedef struct contact_term {
     network_term term;
     contact_set set;
-    contact_layer *layer;   /* or NULL: the set is on the nodes themselves */
-    size_t surface_changes; /* of the network's surface that the set has */
+    contact_layer *layer;   /* or NULL: the set is on the network's nodes */
+    size_t surface_changes; /* count of the network's surface changes when the set was made */
     double *weight;         /* [n_nodes] scratch */
 } contact_term;
 
-/* A layer and the set on it; NULL: the memory has failed. */
+/* A layer and the set on it; NULL: out of memory. */
 contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tools,
                          const palp_contact_settings *settings, contact_set *set);
 
-/* As the functions of the set and of the term, from places and to forces of nodes. */
+/* Like the functions of contact_set and of the term, from positions and to forces of the network's nodes. */
 void layer_place(contact_layer *l, contact_set *set, double share, const double *now, const double *next);
 bool layer_refresh(contact_layer *l, contact_set *set, const double *now, const double *next);
 void layer_evaluate(contact_layer *l, contact_set *set, const double *next, double *force, double *squares);
@@ -42,10 +42,10 @@ void layer_times(const contact_layer *l, const contact_set *set, contact_product
                  double *out);
 void layer_blocks(const contact_layer *l, const contact_set *set, network_block_taker take, void *user);
 
-/* Places of the vertices in contact; those of others are of some time before. */
+/* Positions of the vertices in contact; others are out of date. */
 const double *layer_places(contact_layer *l, const double *next);
 
-/* The nodes that a vertex depends on. */
+/* The nodes and weights of a vertex; returns their number. */
 size_t layer_corner(const contact_layer *l, int32_t vertex, const int32_t **node, const double **weight);
 
 #endif

@@ -1,20 +1,20 @@
-/* grasp.c: nodes that are grasped by a hand: a stiff spring from each to its target. */
+/* grasp.c: grasped nodes: a stiff spring from each to its target. */
 #include "contact_internal.h"
 
 #include <string.h>
 
 typedef struct grasped {
-    double target[3], was[3]; /* where to; where the hand was at the committed state, m */
+    double target[3], was[3]; /* target; and the hand's position in the committed state, m */
     double force[3];          /* on the hand, N */
     int32_t node;
 } grasped;
 
 typedef struct grasp {
     network_term term;
-    double stiffness; /* of a spring, in units of its node's own */
+    double stiffness; /* stiffness of a spring, in units of its node's own */
     size_t max, n;
-    grasped *now, *next; /* [n of max] */
-    double *target;      /* [3 n] as the present evaluation has them */
+    grasped *now, *next; /* [n] of at most max */
+    double *target;      /* [3 n] targets at the present evaluation */
 } grasp;
 
 static void grasp_reset(network_term *term, palp_network *net) {
@@ -39,7 +39,7 @@ static void grasp_swap(network_term *term, palp_network *net) {
 
 /* ---- a step -------------------------------------------------------------------------------------- */
 
-/* N/m */
+/* Stiffness of a node's spring, N/m. */
 static double spring_of(const grasp *t, const palp_network *net, int32_t node) {
     return t->stiffness * net->modulus * net->unit[node];
 }
@@ -55,7 +55,7 @@ static void grasp_begin(network_term *term, palp_network *net) {
     grasp_place(term, net, 1.0);
 }
 
-/* Springs to the targets are linear: however far a hand goes, it may be followed at once. */
+/* Springs to the targets are linear, so a hand can be followed over any distance at once. */
 static double grasp_way(const network_term *term, const palp_network *net) {
     const grasp *t = (const grasp *)term;
     (void)net;

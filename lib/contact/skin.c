@@ -1,5 +1,5 @@
-/* skin.c: a subdivided surface that tools touch: what its vertices have of the nodes, which nodes meet on a
- * triangle. */
+/* skin.c: a subdivided surface for tools: weights of the nodes in its vertices, and pairs of nodes with a
+ * common triangle. */
 #include "skin.h"
 
 #include "subdivide.h"
@@ -8,8 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The stiffness of a triangle's corners, each node's shared among its triangles, to the vertices of the parts
- * it became. */
+/* Distributes the stiffness of each node to its triangles and on to the vertices of their parts. */
 static bool share_unit(skin *s, size_t n_surface, const int32_t *surface, const double *unit) {
     int32_t *count = calloc(s->n_nodes + 1, sizeof *count);
     if (!count)
@@ -54,7 +53,7 @@ size_t skin_stencil(const skin *s, int n, const int32_t *vertex, int32_t *node, 
     }
 }
 
-/* The pairs of all triangles, low * 2^32 + high; with keys NULL only their number. */
+/* The pairs of all triangles as low * 2^32 + high; only counts if keys is NULL. */
 static size_t all_pairs(const skin *s, int32_t *node, double *share, uint64_t *keys) {
     size_t at = 0;
     for (size_t t = 0; t < s->n_triangles; t++) {
@@ -100,7 +99,7 @@ static palp_status list_pairs(arena *memory, skin *s) {
 
 /* ---- a skin -------------------------------------------------------------------------------------- */
 
-/* The triangles around each vertex. */
+/* Lists the triangles around each vertex. */
 static void list_around(arena *memory, skin *s) {
     s->around_first = arena_take(memory, s->n + 2, sizeof *s->around_first);
     s->around = arena_take(memory, 3 * s->n_triangles, sizeof *s->around);
@@ -114,7 +113,7 @@ static void list_around(arena *memory, skin *s) {
         s->around[s->around_first[s->triangle[i] + 1]++] = (int32_t)(i / 3);
 }
 
-/* The node that a vertex depends on most. */
+/* The node with the largest weight in a vertex. */
 static int32_t home_of(const skin *s, size_t v) {
     uint32_t most = s->first[v];
     for (uint32_t k = most; k < s->first[v + 1]; k++)
@@ -122,7 +121,7 @@ static int32_t home_of(const skin *s, size_t v) {
     return s->node[most];
 }
 
-/* The vertices of each node; those of no triangle are left out. */
+/* Lists the vertices of each node, without vertices that are on no triangle. */
 static void list_homes(arena *memory, const double *rest, skin *s) {
     s->home_first = arena_take(memory, s->n_nodes + 2, sizeof *s->home_first);
     s->home = arena_take(memory, s->n, sizeof *s->home);

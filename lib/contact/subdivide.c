@@ -6,21 +6,21 @@
 #include <string.h>
 
 static const double SHARP =
-    0.766; /* cosine between the normals of two triangles: an edge of more than 40 degrees is sharp */
+    0.766; /* cosine between the normals of two triangles: edges above 40 degrees are sharp */
 
 typedef struct edge {
     int32_t low, high;   /* vertices */
-    int32_t opposite[2]; /* of its first two triangles */
+    int32_t opposite[2]; /* opposite corners of its first two triangles */
     int32_t triangles;
     bool sharp;
 } edge;
 
-/* A surface on its way: vertices by the nodes, triangles, edges sorted by low and high. */
+/* A surface while it is subdivided: vertices by their nodes, triangles, edges sorted by low and high. */
 typedef struct finer {
     subdivided s;
     size_t n_edges;
     edge *edge;
-    double *sum;    /* [n_nodes] a row being made, and the nodes it has */
+    double *sum;    /* [n_nodes] the row being made, and its nodes */
     int32_t *nodes; /* [n_nodes] */
     bool *in_sum;   /* [n_nodes] */
     size_t n_sum;
@@ -43,7 +43,7 @@ static int ascending(const void *a, const void *b) {
     return (*(const int32_t *)a > *(const int32_t *)b) - (*(const int32_t *)a < *(const int32_t *)b);
 }
 
-/* The sum so far becomes the next row. */
+/* Appends the sum as the next row. */
 static void end_row(finer *f, weight_rows *to) {
     size_t at = to->first[to->n], room = at + f->n_sum;
     if (room > to->room) {
@@ -131,7 +131,7 @@ static void normal_of(const double *rest, int32_t a, int32_t b, int32_t c, doubl
         n[k] = p[(k + 1) % 3] * q[(k + 2) % 3] - p[(k + 2) % 3] * q[(k + 1) % 3];
 }
 
-/* Borders, edges of three triangles and more, and those that are sharp at rest. */
+/* Finds borders, edges of three or more triangles, and edges that are sharp at rest. */
 static void find_sharp(finer *f, const double *rest) {
     for (size_t i = 0; i < f->n_edges; i++) {
         edge *e = &f->edge[i];
@@ -152,13 +152,13 @@ static void find_sharp(finer *f, const double *rest) {
 
 /* ---- subdividing --------------------------------------------------------------------------------- */
 
-/* What a vertex's rule needs of its edges. */
+/* The edges of a vertex, for its rule. */
 typedef struct star {
     int32_t edges, sharp;
-    uint32_t first; /* in ends */
+    uint32_t first; /* index in ends */
 } star;
 
-/* Stars of all vertices; ends: the other ends of a vertex's edges, sharp ones first. */
+/* Stars of all vertices. ends: other ends of a vertex's edges, sharp edges first. */
 static bool list_stars(const finer *f, star **stars, int32_t **ends) {
     star *s = *stars = calloc(f->s.vertex.n + 1, sizeof *s);
     int32_t *e = *ends = malloc((2 * f->n_edges + 1) * sizeof *e);
@@ -185,15 +185,15 @@ static bool list_stars(const finer *f, star **stars, int32_t **ends) {
     return true;
 }
 
-/* A vertex by its own weight and that of each neighbour: where two sharp edges meet those along them; where
- * more do, itself. */
+/* Adds the rule of a vertex, its own weight and that of each neighbour. On a crease these are the ends of its
+ * two sharp edges; with more sharp edges it stays. */
 static void add_star(finer *f, const star *s, const int32_t *ends, int32_t v, bool limit) {
     const double pi = acos(-1.0), n = s->edges, c = 0.375 + 0.25 * cos(2.0 * pi / n),
                  beta = (0.625 - c * c) / n;
     double each = limit ? 1.0 / (n + 0.375 / beta) : beta;
     int32_t taken = s->edges;
     if (taken == 0)
-        each = 0.0; /* a node inside */
+        each = 0.0; /* an inner vertex */
     if (s->sharp > 1) {
         each = s->sharp > 2 ? 0.0 : limit ? 1.0 / 6.0 : 0.125;
         taken = s->sharp > 2 ? 0 : 2;
@@ -203,7 +203,7 @@ static void add_star(finer *f, const star *s, const int32_t *ends, int32_t v, bo
         add_row(f, &f->s.vertex, ends[s->first + (uint32_t)k], each);
 }
 
-/* All vertices by their rule; with edges the middles of these too, which come behind. */
+/* Moves all vertices by their rule; with edges, appends the midpoints of edges. */
 static void move_vertices(finer *f, bool limit, size_t n_edges) {
     star *stars = NULL;
     int32_t *ends = NULL;
@@ -230,7 +230,7 @@ static void move_vertices(finer *f, bool limit, size_t n_edges) {
     f->s.vertex = to;
 }
 
-/* Halves of sharp edges are sharp. */
+/* Marks halves of sharp edges as sharp. */
 static void inherit_sharp(finer *f, const edge *old, size_t n_old, size_t n_vertices) {
     for (size_t i = 0; i < n_old; i++)
         for (int end = 0; end < 2 && old[i].sharp; end++) {
@@ -239,7 +239,7 @@ static void inherit_sharp(finer *f, const edge *old, size_t n_old, size_t n_vert
         }
 }
 
-/* Four triangles of each. */
+/* Divides each triangle into four. */
 static void refine(finer *f) {
     const size_t n_vertices = f->s.vertex.n, n_old = f->n_edges;
     edge *old = f->edge;
@@ -266,7 +266,7 @@ static void refine(finer *f) {
 
 /* ---- all of it ----------------------------------------------------------------------------------- */
 
-/* Nodes that are on no triangle stay vertices of their own, which nothing touches. */
+/* Nodes on no triangle stay vertices, which nothing touches. */
 static bool begin(finer *f, size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface) {
     f->s.n_triangles = n_surface;
     f->s.triangle = malloc((3 * n_surface + 1) * sizeof *f->s.triangle);

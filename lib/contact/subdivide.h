@@ -16,18 +16,17 @@ typedef struct weight_rows {
     double *weight;  /* [room] */
 } weight_rows;
 
-/* A surface by its nodes: vertices, the first n_nodes of them of a node each, and triangles, outward as those
- * it was made from. */
+/* A surface by its nodes: vertices, of which the first n_nodes belong to one node each, and outward
+ * triangles. */
 typedef struct subdivided {
     weight_rows vertex;
     size_t n_triangles;
-    int32_t *triangle; /* [3 n_triangles]; those of triangle i of the mesh stand together */
+    int32_t *triangle; /* [3 n_triangles]; parts of triangle i of the mesh are contiguous */
 } subdivided;
 
-/* The surface with its nodes moved to their limits, then subdivided so many times, each vertex on the limit
- * surface; false: out of memory, nothing to free. Moving the nodes first spreads each vertex over more of
- * them, which leaves a quarter of the ripple. Edges of more than 40 degrees at rest and borders stay sharp.
- */
+/* Moves the surface's nodes to their limits, then subdivides it so many times, with each vertex on the limit
+ * surface. False: out of memory, nothing to free. Moving the nodes first spreads each vertex over more nodes,
+ * which leaves a quarter of the ripple. Edges above 40 degrees at rest and borders stay sharp. */
 bool subdivide_make(size_t n_nodes, const double *rest, size_t n_surface, const int32_t *surface,
                     size_t subdivisions, subdivided *out);
 void subdivide_free(subdivided *s);

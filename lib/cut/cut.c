@@ -1,17 +1,17 @@
-/* cut.c: which elements are whole, what hangs loose, and what that adds to the network's equations. */
+/* cut.c: which elements are cut, which parts are loose, and what cutting adds to the network's equations. */
 #include "cut_internal.h"
 #include "mesh/mesh_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double LOOSE = 1e-3;       /* spring of a loose node, of its stiffness at rest */
-static const double MECHANISM = 1e-6;   /* diagonal of any other node of a cut network */
-static const double SMALL_STRAIN = 0.1; /* where the stiffness is taken: a law may start from 0 */
+static const double LOOSE = 1e-3;       /* spring of a loose node, relative to its stiffness at rest */
+static const double MECHANISM = 1e-6;   /* the same for the diagonal of any other node */
+static const double SMALL_STRAIN = 0.1; /* strain at which stiffness is taken, as a law may start from 0 */
 
 /* ---- what is loose ------------------------------------------------------------------------------- */
 
-/* A part is fixed if one of its nodes has an axis that is no unknown, or is grasped. */
+/* A part is loose unless one of its nodes has a supported axis or is grasped. */
 static void find_loose(network_term *term, palp_network *net) {
     network_cut *cut = (network_cut *)term;
     mesh_parts(net->n_nodes, net->n_elements, net->pair, cut->alive, cut->root);
@@ -24,7 +24,7 @@ static void find_loose(network_term *term, palp_network *net) {
             cut->loose[cut->root[i]] = 0;
     cut->n_loose = 0;
     for (size_t i = 0; i < net->n_nodes;
-         i++) { /* a root is the lowest node of its part: it is known by now */
+         i++) { /* a root is the lowest node of its part, so its flag is final */
         cut->loose[i] = cut->loose[cut->root[i]];
         cut->n_loose += cut->loose[i];
         cut->diagonal[i] = cut->n_cut == 0 ? 0.0 : cut->stiffness[i] * (cut->loose[i] ? LOOSE : MECHANISM);
@@ -35,7 +35,7 @@ double cut_spring(const network_cut *cut, size_t i) {
     return cut->loose[i] ? cut->diagonal[i] : 0.0;
 }
 
-/* Marks an element as cut, if it is whole. */
+/* Marks an element as cut, unless it is cut already. */
 static void mark(network_cut *cut, size_t element) {
     if (!cut->alive[element])
         return;
@@ -43,8 +43,8 @@ static void mark(network_cut *cut, size_t element) {
     cut->cut[cut->n_cut++] = (int32_t)element;
 }
 
-/* What follows from the elements that were marked since the last time. The next step starts from the state as
- * it is. */
+/* Updates all that depends on elements marked since the last call. The next step starts from the present
+ * state. */
 static size_t update(palp_network *net, network_cut *cut) {
     size_t news = cut->n_cut - cut->n_known;
     for (size_t k = cut->n_known; k < cut->n_cut; k++) {
@@ -75,7 +75,7 @@ static void make_whole(palp_network *net, network_cut *cut) {
 
 /* ---- the term ------------------------------------------------------------------------------------ */
 
-/* All the rest of a network_cut follows from what is whole. */
+/* Only alive is saved: all else of a network_cut follows from it. */
 static void cut_pass(network_term *term, palp_network *net, network_cursor *cursor) {
     network_cut *cut = (network_cut *)term;
     if (cursor->way == NETWORK_RESTORE && memcmp(cut->alive, cursor->at, net->n_elements) != 0) {
@@ -88,7 +88,7 @@ static void cut_pass(network_term *term, palp_network *net, network_cursor *curs
     network_pass(cursor, cut->alive, net->n_elements);
 }
 
-/* Everything whole again, for the present material. */
+/* Makes all elements whole again, for the present material. */
 static void cut_reset(network_term *term, palp_network *net) {
     network_cut *cut = (network_cut *)term;
     double stiffness;

@@ -1,24 +1,22 @@
-/* cut_blade.c: which elements cross a triangle.
- *
- * Ties are broken as if the tissue were shifted by an infinitesimal step along one fixed direction
- * (simulation of simplicity, Edelsbrunner and Muecke 1990): a node exactly on the blade is on one side of it,
- * the same for every element that meets in it and for both triangles of a sweep, whatever the order of
- * corners and ends. */
+/* cut_blade.c: which elements cross a triangle. A node exactly on the blade counts as shifted by an
+ * infinitesimal step in one fixed direction (simulation of simplicity, Edelsbrunner and Muecke 1990). It is
+ * then on the same side for every element that meets in it and for both triangles of a sweep. The order of
+ * corners and ends makes no difference. */
 #include "cut_internal.h"
 
 #include <math.h>
 
-/* 1, 1/p and 1/p^2 with p^3 = p + 1: no lattice direction is at right angles to it. */
+/* 1, 1/p and 1/p^2 with p^3 = p + 1: not at right angles to any lattice direction. */
 static const double SHIFT[3] = {1.0, 0.7548776662466927, 0.5698402909980532};
 static const double ROUNDING =
-    1e-14; /* of the sum of the terms' sizes: below it a determinant is taken for 0 */
+    1e-14; /* relative to the sum of its terms' sizes: below it a determinant counts as 0 */
 
 static void subtract(const double *a, const double *b, double out[3]) {
     for (size_t k = 0; k < 3; k++)
         out[k] = a[k] - b[k];
 }
 
-/* a . (b x c), and the sum of the sizes of its terms. */
+/* a . (b x c), and the sum of the absolute values of its terms. */
 static double determinant(const double a[3], const double b[3], const double c[3], double *size) {
     double sum = 0.0;
     *size = 0.0;
@@ -35,7 +33,7 @@ static int sign(double value) {
     return (value > 0.0) - (value < 0.0);
 }
 
-/* Side of node x of the plane through a, with edges u and v: +1 or -1; 0 if the triangle is none. */
+/* Side of node x of the plane through a with edges u and v: +1 or -1; 0 for a degenerate triangle. */
 static int side_of(const double *x, const double *a, const double u[3], const double v[3]) {
     double w[3], size;
     subtract(x, a, w);
@@ -59,8 +57,8 @@ static int passes(const double *p, const double *q, const double *a, const doubl
     return fabs(d) > ROUNDING * (size + size_b) ? -sign(d) : 0;
 }
 
-/* The same for the edge between corners i and j, the edge always taken the same way round, so that the two
- * triangles of a sweep see the very same number. */
+/* The same for the edge between corners i and j. The edge has one orientation, so that both triangles of a
+ * sweep get the same number. */
 static int passes_edge(const double *p, const double *q, const double *corners, size_t i, size_t j) {
     const double *a = corners + 3 * i, *b = corners + 3 * j;
     bool swap = a[0] != b[0] ? a[0] > b[0] : a[1] != b[1] ? a[1] > b[1] : a[2] > b[2];

@@ -1,10 +1,11 @@
-/* cut_surface.c: the surface of what a cut leaves, for drawing and for contact. */
+/* cut_surface.c: the surface after cuts, for drawing and contact. */
 #include "cut_internal.h"
 #include "mesh/mesh_internal.h"
 
 #include <string.h>
 
-/* Visits the elements along the edges: counts the tetrahedra around each, or (fill) lists them. */
+/* Visits the elements along the edges of tetrahedra: counts the tetrahedra around each or, with fill, lists
+ * them. */
 static void visit_edges(const palp_network *net, cut_surface *s, bool fill) {
     for (size_t i = 0; i < 6 * s->n_tetrahedra; i++) {
         static const unsigned char ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
@@ -28,7 +29,8 @@ palp_status cut_surface_create(const palp_network *net, arena *memory, cut_surfa
     if (memory->failed)
         return PALP_ERR_NO_MEMORY;
     visit_edges(net, s, false);
-    for (size_t i = 0; i < net->n_elements; i++) /* each ends where the next starts; listing walks back */
+    for (size_t i = 0; i < net->n_elements;
+         i++) /* first becomes the end of each list; filling moves it back to the start */
         s->first[i + 1] += s->first[i];
     visit_edges(net, s, true);
     return mesh_neighbours(net->mesh, s->neighbour);

@@ -67,7 +67,7 @@ bool palp_experiment_name_valid(const char *name, size_t length) {
             return false;
     if (length == 0 || name[0] == ' ' || name[length - 1] == ' ')
         return false;
-    return !strchr("0123456789+-.", name[0]); /* a number: there is no name row */
+    return !strchr("0123456789+-.", name[0]); /* a number: the row of names is missing */
 }
 
 size_t palp_experiment_find(const palp_experiment *experiment, const char *name, size_t length) {

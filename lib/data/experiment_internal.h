@@ -1,4 +1,4 @@
-/* experiment_internal.h: what an experiment holds; shared by its reader and writer. */
+/* experiment_internal.h: the data of an experiment, for its reader and writer. */
 #ifndef PALP_EXPERIMENT_INTERNAL_H
 #define PALP_EXPERIMENT_INTERNAL_H
 
@@ -19,24 +19,24 @@ struct palp_experiment {
     palp_column *columns; /* [n_columns] */
 };
 
-/* No columns, no keys. */
+/* Creates an experiment without columns and keys. */
 palp_status palp_experiment_empty(palp_experiment **experiment);
 
-/* Adds a column name[length] of zeros. */
+/* Adds a column of zeros with this name[length]. */
 palp_status palp_experiment_append_column(palp_experiment *experiment, const char *name, size_t length);
 
-/* Room for at least twice the rows there are. */
+/* Allocates room for at least twice the rows. */
 palp_status palp_experiment_grow(palp_experiment *experiment);
 
 enum { PALP_KEY_MAX = 127 }; /* most characters of a header key */
 
-/* Letters, digits, '_', '.' and '-', 1 to PALP_KEY_MAX of them. */
+/* 1 to PALP_KEY_MAX letters, digits, '_', '.' and '-'. */
 bool palp_experiment_key_valid(const char *key, size_t length);
 
-/* Something printable without comma or '#', no blanks at the ends, that does not start as a number. */
+/* Printable without comma or '#', without blanks at the ends, and not starting like a number. */
 bool palp_experiment_name_valid(const char *name, size_t length);
 
-/* Index of a column, n_columns if there is none. */
+/* Index of a column, or n_columns. */
 size_t palp_experiment_find(const palp_experiment *experiment, const char *name, size_t length);
 
 #endif

@@ -1,22 +1,23 @@
-/* experiment_join.c: a recording that goes on in another file, under load: one run again, as what its arms
- * remember is in the first. */
+/* experiment_join.c: joins a recording with its continuation under load in another file. They are one run,
+ * since the history of the arms begins in the first. */
 #include "experiment_internal.h"
 #include "segments_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SAMPLES_MIN = 16 };       /* of either part */
-static const double SOON = 10.0; /* steps of the clock, after which it is another recording */
+enum { SAMPLES_MIN = 16 };       /* in each of both parts */
+static const double SOON = 10.0; /* clock steps between the parts; after more it is another recording */
 static const double LOADED =
-    0.1; /* of the largest force: with less the one before is forgotten, or nearly so */
-static const double AWAY = 2e-3; /* of the way: where the plate may be beside where its motion leads */
-static const double ODDS = 6.0;  /* standard deviations of the noise */
+    0.1; /* relative to the largest force: below it the earlier history is nearly forgotten */
+static const double AWAY =
+    2e-3; /* relative to the travel: allowed distance from where the plate's motion leads */
+static const double ODDS = 6.0; /* standard deviations of the noise */
 
 typedef struct columns {
     size_t n;
     const double *time, *depth, *force;
-    double peak, low, high, white; /* largest force, ends of the depth, sd of the noise */
+    double peak, low, high, white; /* largest force, range of depth, sd of the noise */
 } columns;
 
 static columns columns_of(const palp_experiment *e) {
@@ -28,7 +29,7 @@ static columns columns_of(const palp_experiment *e) {
                      .force = palp_experiment_column(e, "force_N")};
 }
 
-/* False: they cannot be used; that is told later. */
+/* False if the columns cannot be used, which is reported later. */
 static bool measure(columns *c) {
     for (size_t i = 0; i < c->n; i++) {
         if (!segments_sample_valid(c->time, c->depth, c->force, i))
@@ -41,7 +42,7 @@ static bool measure(columns *c) {
     return palp_segments_noise(c->n, c->time, step, c->force, PALP_NOISE_MEDIAN, &c->white) == PALP_OK;
 }
 
-/* Whether b begins where and when a ends, with its force. */
+/* Does b begin where and when a ends, with the same force? */
 static bool goes_on(columns *a, columns *b) {
     const size_t last = a->n - 1;
     if (fmin((double)a->n, (double)b->n) < SAMPLES_MIN || !a->time || !a->depth || !a->force || !b->time ||
@@ -73,7 +74,7 @@ static bool continues(const palp_experiment *first, const palp_experiment *secon
     return goes_on(&a, &b);
 }
 
-/* The keys of the first, and how the second ended. */
+/* Copies the keys of the first part, and how the second one ended. */
 static palp_status copy_keys(const palp_experiment *a, const palp_experiment *b, palp_experiment *to) {
     const palp_experiment *const from[] = {a, b};
     const char *key;
@@ -116,7 +117,7 @@ static palp_status join_two(const palp_experiment *first, const palp_experiment 
     return status;
 }
 
-/* Joins what begins with run j to the first of these that it goes on with; *done: there is one. */
+/* Joins the recordings that begin with run j to the first one that they continue; *done: there is one. */
 static palp_status join_to_one_before(size_t n, const palp_experiment *const *run, palp_experiment **whole,
                                       size_t *of, size_t j, bool *done) {
     const palp_experiment *second = whole[j] ? whole[j] : run[j];

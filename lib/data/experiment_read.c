@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where the reader stands in the text. */
+/* Position of the reader in the text. */
 typedef struct reader {
     const char *path;
     const char *p, *end; /* *end is NUL */
@@ -32,7 +32,7 @@ static palp_status memory_fail(const reader *r) {
     return palp_error_set(r->error, PALP_ERR_NO_MEMORY, "%s: out of memory", r->path);
 }
 
-static int quoted(piece text) /* precision to print a piece with %.*s */
+static int quoted(piece text) /* its length, as the precision to print it with %.*s */
 {
     return text.n < QUOTE_MAX ? (int)text.n : QUOTE_MAX;
 }
@@ -47,7 +47,7 @@ static piece trim(piece text) {
     return text;
 }
 
-/* A last line without its end may have lost digits: it is not trusted. */
+/* A last line without line end may have lost digits and is refused. */
 static palp_status cut_fail(const reader *r) {
     return FAIL(
         r, "the last line does not end, the file was cut short: remove the line, or end it if it is whole");
@@ -126,7 +126,7 @@ static palp_status name_read(reader *r, piece name) {
     return palp_experiment_append_column(e, name.p, name.n) ? memory_fail(r) : PALP_OK;
 }
 
-/* The required columns are there, or one line that says which is not. */
+/* Are the required columns there? The error says in one line which is missing. */
 static palp_status names_check(const reader *r) {
     const palp_experiment *e = r->experiment;
     for (size_t i = 0; i < e->n_columns; i++) {
@@ -164,7 +164,7 @@ static palp_status name_row_read(reader *r) {
     return status;
 }
 
-/* What is wrong with the row at p; called when reading it failed. */
+/* Reports what is wrong with the row at p, after reading it failed. */
 static palp_status row_fail(const reader *r) {
     const palp_experiment *e = r->experiment;
     piece line = {r->p, 0};
@@ -195,7 +195,7 @@ static const char *skip_blank(const char *p) {
     return p;
 }
 
-/* The numbers of the row at p into row *row* of the columns; NULL if it is not whole and finite. */
+/* Reads the row at p into row *row* of the columns; NULL if it is incomplete or not finite. */
 static const char *row_read(const char *p, const palp_column *columns, size_t n, size_t row) {
     for (size_t j = 0; j < n; j++) {
         double *value = &columns[j].values[row];

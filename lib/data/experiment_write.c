@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The value as JSON with just the digits that read back the same, malloc'ed by Jansson; NULL: out
- * of memory. */
+/* The value as JSON with the fewest digits that read back the same, allocated by Jansson; NULL: out of
+ * memory. */
 static char *value_text(const json_t *value) {
     char *text = NULL;
     for (size_t precision = 15; precision <= 17; precision++) {
@@ -24,7 +24,7 @@ static char *value_text(const json_t *value) {
     return text;
 }
 
-/* Keys that tell how the run ended stand after the numbers. */
+/* Keys that say how the run ended are written after the numbers. */
 static bool is_ending(const char *key) {
     return strncmp(key, "end.", 4) == 0;
 }
@@ -60,7 +60,7 @@ static void rows_write(const palp_experiment *e, FILE *stream) {
         }
 }
 
-/* Nothing is written that could not be read again. */
+/* Refuses values that could not be read again. */
 static palp_status rows_check(const palp_experiment *e, const char *path, palp_error *error) {
     const double *time_s = palp_experiment_column(e, "time_s");
     for (size_t j = 0; j < e->n_columns; j++)

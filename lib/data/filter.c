@@ -7,7 +7,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* One section, bilinear transform with prewarping, run in place; starts in the steady state of x[0]. */
+/* One section, bilinear transform with prewarping, in place; starts in the steady state of x[0]. */
 static void section(size_t n, double *x, double q, double tangent) {
     double a0 = 1.0 + tangent / q + tangent * tangent, b = tangent * tangent / a0;
     double a1 = 2.0 * (tangent * tangent - 1.0) / a0, a2 = (1.0 - tangent / q + tangent * tangent) / a0;

@@ -1,4 +1,4 @@
-/* recording.c: what a raw recording tells about itself before any fit. */
+/* recording.c: checks of a raw recording, and its phases, contact and noise, before any fit. */
 #include <palpate/recording.h>
 
 #include "base/file.h"
@@ -86,14 +86,14 @@ static void read_header(palp_recording *r, const palp_experiment *e,
     r->faulted = !palp_experiment_get_string(e, "end.fault", &text) && strcmp(text, "samples_lost") != 0;
 }
 
-/* A run of missing samples that chance makes less often than once in n recordings, in steps: each is missing
- * with the same chance. */
+/* A length of gap, in steps, that chance exceeds less often than once in n recordings, if samples are lost
+ * independently. */
 static double chance_steps(size_t n, size_t missing) {
     double part = (double)missing / (double)(n + missing);
     return missing ? 2.0 * log((double)n) / -log(part) : 0.0;
 }
 
-/* Times: the clock's step, gaps and unevenness. */
+/* Assesses the times: clock step, gaps and unevenness. */
 static palp_status look_at_times(palp_recording *r, double *step) {
     size_t steps = r->n - 1, odd = 0;
     palp_status status = palp_segments_clock(r->n, r->time_s, step, &r->n_missing);
@@ -110,7 +110,7 @@ static palp_status look_at_times(palp_recording *r, double *step) {
     return status;
 }
 
-/* The sample in use whose force differs most from that of the first in use. */
+/* The used sample whose force differs most from that of the first used one. */
 static size_t strongest_sample(const palp_recording *r, double first) {
     size_t at = 0;
     double most = -1.0;
@@ -122,7 +122,7 @@ static size_t strongest_sample(const palp_recording *r, double first) {
     return at;
 }
 
-/* Covariance of depth and force over the way of the plate up to a sample: the two ends of each step count by
+/* Covariance of depth and force up to a sample, weighted by the plate's travel: both ends of a step count by
  * its length, so that a dwell does not count. */
 static double covariance_on_way(const palp_recording *r, size_t end) {
     double way = 0.0, depth = 0.0, force = 0.0, product = 0.0;
@@ -138,8 +138,8 @@ static double covariance_on_way(const palp_recording *r, size_t end) {
     return way > 0.0 ? product / way - depth / way * (force / way) : 0.0;
 }
 
-/* Whether the force grows with depth, and by more than noise, up to the strongest force: what comes after is
- * relaxation or unloading. */
+/* Does the force grow with depth, by more than noise, up to its largest value? Relaxation and unloading come
+ * later. */
 static palp_status check_signs(const palp_recording *r, palp_error *error) {
     double low = r->depth_m[0], high = low, before = r->force_N[r->use[0] ? 0 : 1];
     size_t at = strongest_sample(r, before);
@@ -147,7 +147,7 @@ static palp_status check_signs(const palp_recording *r, palp_error *error) {
     for (size_t i = 0; i < r->n; i++) {
         low = fmin(low, r->depth_m[i]);
         high = fmax(high, r->depth_m[i]);
-        if (i < at && r->use[i] && r->depth_m[i] > 0.0) /* before a plate that sticks is pulled off */
+        if (i < at && r->use[i] && r->depth_m[i] > 0.0) /* before a sticking plate is pulled off */
             pressed = fmax(pressed, r->force_N[i] - before);
     }
     if (!(high > low))
@@ -170,7 +170,7 @@ static palp_status check_signs(const palp_recording *r, palp_error *error) {
     return PALP_OK;
 }
 
-/* Depth and force from contact. */
+/* Depth and force relative to contact and zero. */
 static void shift(palp_recording *r) {
     r->deepest_m = -HUGE_VAL;
     for (size_t i = 0; i < r->n; i++) {
@@ -196,7 +196,7 @@ palp_recording_kind palp_recording_kind_of(const palp_pieces *pieces) {
                                      : PALP_RECORDING_STATIC;
 }
 
-/* The sample from which on the plate is only taken back; r->n if it is not. */
+/* The sample after which the plate is only withdrawn, or r->n. */
 static size_t find_withdrawal(const palp_recording *r, const palp_pieces *pieces, size_t ramp_end) {
     size_t k = pieces->n;
     if (r->kind != PALP_RECORDING_OTHER)
@@ -210,20 +210,20 @@ static double speed(const palp_recording *r, size_t from, size_t to) {
     return (r->depth_m[to] - r->depth_m[from]) / (r->time_s[to] - r->time_s[from]);
 }
 
-/* Whether a force is held while the depth goes on. By its path alone a depth that comes to rest at last may
- * be the ramp and the hold of a press; but then the plate was much faster before the force was held. Where a
- * sensor ends it was not. */
+/* Is the force constant while depth goes on? A depth that comes to rest may also be ramp and hold of a
+ * press; then the plate was much faster before the force became constant. At the end of a sensor's range
+ * it was not. */
 static bool is_creep(const palp_recording *r, size_t start, size_t end) {
     static const double slower = 0.5;
     if (r->kind != PALP_RECORDING_RAMP_HOLD || r->creep.n == 0)
         return r->creep.n > 0;
     const size_t held = r->creep.piece[0].first,
-                 from = start < held ? start : held - 1; /* a ramp goes before it */
+                 from = start < held ? start : held - 1; /* a ramp precedes it */
     return held < end && speed(r, held, end) < slower * speed(r, from, held);
 }
 
-/* What was done, and where the motion starts and ends. What follows a press that ends by taking the plate
- * back is left out: it says how the plate leaves, which no law of pressing tells. */
+/* Finds the protocol, and where the motion starts and ends. The withdrawal after a press is left out: it
+ * shows how the plate leaves, which no law of pressing describes. */
 static palp_status find_motion(palp_recording *r) {
     palp_pieces pieces;
     size_t start, end;
@@ -247,8 +247,8 @@ static palp_status find_motion(palp_recording *r) {
     return status;
 }
 
-/* What a recording must be to be one of a specimen that is pressed. Leaves depth and force from contact, and
- * the clock's step. */
+/* Checks that a specimen is pressed in this recording. Makes depth and force relative to contact and zero,
+ * and gives the clock's step. */
 static palp_status check(palp_recording *r, const palp_experiment *experiment,
                          const palp_recording_settings *settings, double *step, palp_error *error) {
     enum { FEWEST = 16 };
@@ -279,7 +279,7 @@ static palp_status check(palp_recording *r, const palp_experiment *experiment,
     return PALP_OK;
 }
 
-/* whole: what a fit needs is found too. */
+/* whole: also finds what a fit needs. */
 static palp_status make(const palp_experiment *experiment, const char *name,
                         const palp_recording_settings *settings, bool whole, palp_recording *r,
                         palp_error *error) {

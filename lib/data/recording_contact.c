@@ -1,10 +1,10 @@
-/* recording_contact.c: where contact is and which force is zero. */
+/* recording_contact.c: finds contact and zero force. */
 #include "base/statistics.h"
 #include "recording_internal.h"
 
 #include <math.h>
 
-/* The motion counts as begun, and a depth as past contact, at this share of the deepest. */
+/* The motion has begun, and a depth is past contact, at this share of the largest depth. */
 static const double STARTED = 1e-3;
 
 double recording_mean(const palp_recording *r, size_t first, size_t n, size_t *used) {
@@ -19,7 +19,7 @@ double recording_mean(const palp_recording *r, size_t first, size_t n, size_t *u
     return count > 0.0 ? sum / count : 0.0;
 }
 
-/* Samples of rest or air at the start: the depth has not come past the larger of its start and zero. */
+/* Number of samples at rest or in air at the start: depth is not above the larger of its start and zero. */
 static size_t quiet_start(const palp_recording *r, double deepest) {
     double limit = fmax(r->depth_m[0], 0.0) + STARTED * (deepest - fmin(r->depth_m[0], 0.0));
     size_t i = 0;
@@ -28,7 +28,7 @@ static size_t quiet_start(const palp_recording *r, double deepest) {
     return i;
 }
 
-/* First sample at half the largest force: on the first press, whatever comes later. */
+/* First sample at half the largest force: always on the first press. */
 static size_t half_way(const palp_recording *r, double zero) {
     double top = zero;
     for (size_t i = 0; i < r->n; i++)
@@ -39,11 +39,11 @@ static size_t half_way(const palp_recording *r, double zero) {
     return i;
 }
 
-/* First sample from which the force, averaged over a window, stays 4 sd above zero on its way up. */
+/* First sample from which the force, averaged over a window, stays 4 sd above zero while it rises. */
 static size_t departure(const palp_recording *r, double zero) {
     enum { WINDOW = 9 };
     size_t end = half_way(r, zero), first = 0;
-    double least = 1e-12 * fabs(r->force_N[end] - zero); /* of what has no noise */
+    double least = 1e-12 * fabs(r->force_N[end] - zero); /* without noise */
     double limit = 4.0 * fmax(r->noise_N, least) * sqrt((double)WINDOW), sum = 0.0;
     for (size_t i = 0; i <= end; i++) {
         sum += r->use[i] ? r->force_N[i] - zero : 0.0;
@@ -55,11 +55,11 @@ static size_t departure(const palp_recording *r, double zero) {
     return first <= end ? first : end;
 }
 
-/* Where a straight line through samples first to end - 1 crosses zero force, and its sd. */
+/* Where the line through samples first to end - 1 reaches zero force, and its sd. */
 static double crossing(const palp_recording *r, size_t first, size_t end, double zero, double *sd) {
     statistics_line line =
         statistics_line_fit(end - first, r->depth_m + first, r->force_N + first, r->use + first);
-    double way = (line.mean_y - zero) / line.slope; /* from there to the middle of the samples */
+    double way = (line.mean_y - zero) / line.slope; /* from there to the mean of the samples */
     *sd = hypot(r->noise_N * sqrt(1.0 / line.n + way * way / line.sxx), r->zero_sd_N) / fabs(line.slope);
     return line.mean_x - way;
 }
@@ -71,9 +71,9 @@ static size_t stretch_end(const palp_recording *r, size_t first, double length) 
     return end;
 }
 
-/* Where the rising force leads back to, by its first 3 % of the way. Where the first 6 % lead elsewhere the
- * force bends, and it bends on within the noise: that counts three times. Where samples are few, five of
- * each, as long as they are in the first quarter of the way. False: too few samples. */
+/* Contact extrapolated from the first 3 % of the travel. If the first 6 % lead elsewhere the force is curved,
+ * and may be curved within the noise too: that difference counts three times. With few samples five of each,
+ * if they are in the first quarter of the travel. False: too few samples. */
 static bool extrapolate(const palp_recording *r, size_t first, double deepest, double zero, double *at,
                         double *sd) {
     enum { FEWEST = 5 };
@@ -89,8 +89,8 @@ static bool extrapolate(const palp_recording *r, size_t first, double deepest, d
     return isfinite(*at) && isfinite(*sd);
 }
 
-/* Mean of n samples of air or rest. Its sd is that of white noise, unless the means of ten parts differ by
- * much more: drift, or noise that is not white. */
+/* Zero force: mean of n samples in air or at rest. Its sd is that of white noise, unless the means of ten
+ * parts differ by much more, by drift or correlated noise. */
 static void find_zero(palp_recording *r, size_t n) {
     enum { PARTS = 10 };
     double part[PARTS], square = 0.0;
@@ -102,11 +102,11 @@ static void find_zero(palp_recording *r, size_t n) {
         square += part[k] * part[k];
     }
     double sd = sqrt(square / (PARTS - 1.0) / PARTS);
-    if (sd > 1.6 * r->zero_sd_N) /* by chance in one of two hundred */
+    if (sd > 1.6 * r->zero_sd_N) /* by chance once in two hundred */
         r->zero_sd_N = sd;
 }
 
-/* Air up to where the force leaves; contact before depth 0 makes it end before the motion does. */
+/* Air ends where the force departs; contact before depth 0 makes it end before the motion does. */
 static void find_zero_in_air(palp_recording *r, size_t quiet) {
     find_zero(r, quiet);
     for (int round = 0; round < 2; round++) {
@@ -115,7 +115,7 @@ static void find_zero_in_air(palp_recording *r, size_t quiet) {
     }
 }
 
-/* With air the recorded contact stands unless the rising force leads back to a place more than 3 sd off. */
+/* With air the recorded contact is kept unless extrapolation differs by more than 3 sd. */
 static void check_contact(palp_recording *r, double deepest) {
     double at, sd;
     if (!extrapolate(r, departure(r, r->zero_N), deepest, r->zero_N, &at, &sd))
@@ -125,7 +125,7 @@ static void check_contact(palp_recording *r, double deepest) {
         r->contact_m = at;
 }
 
-/* Without, depth 0 is contact. How far that may be off is for the file to say, or else for the first of the
+/* Without air depth 0 is contact. Its uncertainty is given in the file, or else follows from the start of the
  * rise. */
 static void trust_contact(palp_recording *r, size_t quiet, double deepest) {
     double at, sd;

@@ -1,4 +1,4 @@
-/* recording_noise.c: what is wrong with a recording's force: clipping, correlation, mains hum. */
+/* recording_noise.c: faults of a recording's force: clipping, correlation, mains hum. */
 #include "base/statistics.h"
 #include "recording_internal.h"
 
@@ -7,7 +7,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* The largest force in use and the next below it. */
+/* The largest force used, and the next below it. */
 static double largest(const palp_recording *r, double *next) {
     double top = -HUGE_VAL;
     *next = -HUGE_VAL;
@@ -21,8 +21,8 @@ static double largest(const palp_recording *r, double *next) {
     return top;
 }
 
-/* Whether the force should have risen by several of the converter's steps from one sample to another:
- * a hold of an elastic specimen, or a coarse converter, stays on its largest force too. */
+/* Should the force have risen by several steps of the converter between two samples? The largest force also
+ * repeats in a hold of an elastic specimen, or with a coarse converter. */
 static bool should_have_risen(const palp_recording *r, size_t from, size_t to, double top, double step) {
     double low = r->depth_m[0], high = low, moved = 0.0;
     for (size_t i = 0; i < r->n; i++) {
@@ -35,8 +35,8 @@ static bool should_have_risen(const palp_recording *r, size_t from, size_t to, d
     return share > 2e-3 && share * (top - r->force_N[0]) > 3.0 * step;
 }
 
-/* Stretches at exactly the largest force. What lies between two such samples is masked with them: noise
- * that the limit cut only on one side. */
+/* Masks stretches at exactly the largest force. Samples between two of them are masked too: their noise is
+ * cut on one side only. */
 void recording_mask_clipped(palp_recording *r, double share) {
     double next, top = largest(r, &next);
     size_t least = (size_t)fmax(5.0, share * (double)r->n);
@@ -59,7 +59,8 @@ void recording_mask_clipped(palp_recording *r, double share) {
     }
 }
 
-/* The second half of the stretch at the end without motion, or of the recording, and of that the last. */
+/* The second half of the motionless stretch at the end, or of the recording; of that at most the last
+ * samples. */
 static size_t still_tail(const palp_recording *r, bool *still) {
     enum { FEWEST = 20, MOST = 8192 };
     size_t i = r->n - 1;
@@ -77,7 +78,7 @@ static void detrend(const double *f, size_t n, double *x) {
         x[i] = f[i] - line.mean_y - line.slope * ((double)i - line.mean_x);
 }
 
-/* The tail without a straight line through each of some pieces; masked samples become 0. */
+/* The tail, without a straight line through each of several pieces; masked samples become 0. */
 static double *detrended_tail(const palp_recording *r, size_t *n_out, bool *still) {
     enum { PIECES = 8 };
     size_t first = still_tail(r, still), piece = (r->n - first) / PIECES;
@@ -90,7 +91,7 @@ static double *detrended_tail(const palp_recording *r, size_t *n_out, bool *stil
     return x;
 }
 
-/* Amplitude of a line at f Hz by projection. */
+/* Amplitude at f Hz by projection. */
 static double line_amplitude(const double *x, size_t n, double f, double step) {
     double angle = 2.0 * PI * f * step, c = cos(angle), s = sin(angle), re = 1.0, im = 0.0, a = 0.0, b = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -103,7 +104,7 @@ static double line_amplitude(const double *x, size_t n, double f, double step) {
     return 2.0 * hypot(a, b) / (double)n;
 }
 
-/* The strongest line from low to high, by steps of a share of the resolution 1 / T. */
+/* The strongest line from low to high, in steps of a share of the resolution 1 / T. */
 static void strongest_line(palp_recording *r, const double *x, size_t n, double step, double low, double high,
                            double share) {
     double df = share / ((double)n * step);
@@ -126,7 +127,7 @@ palp_status recording_look_at_noise(palp_recording *r, double step) {
         own += x[i] * x[i];
         next += i ? x[i] * x[i - 1] : 0.0;
     }
-    r->correlation = still && own > 0.0 ? next / own : 0.0; /* what bends would look like noise */
+    r->correlation = still && own > 0.0 ? next / own : 0.0; /* curvature would look like correlation */
     if (n >= 200 && step < 1.0 / 135.0 && !r->uneven && r->noise_N > 0.0) {
         double sd = sqrt(own / (double)n), around = 0.5 / ((double)n * step);
         strongest_line(r, x, n, step, 45.0, 65.0, 0.5);

@@ -1,10 +1,10 @@
-/* segments.c: the path of the plate: straight pieces, the first ramp, stillness. */
+/* segments.c: the plate's path: straight pieces, the first ramp, rest. */
 #include "segments_internal.h"
 
 #include <math.h>
 
-/* Shares of the way at which the first motion has begun and has come to its end, and the depth is left for
- * good. */
+/* Shares of the travel at which the first motion has begun, has ended, and at which the depth is left
+ * finally. */
 static const double BEGUN = 2e-3, ARRIVED = 0.998, LEFT = 0.95;
 
 segments_cone segments_cone_open(void) {

@@ -5,11 +5,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Parts: of the differences, which are small enough to be one step; of a step, by which a multiple may be
- * missed; of the differences, which must be multiples. */
+/* Limits: share of differences that are small enough to be one step; deviation from a multiple, in steps;
+ * share of differences that must be multiples. */
 static const double SMALL = 0.1, OFF = 0.1, REGULAR = 0.9;
 
-/* Sum of the whole steps in the differences; 0 if too few are such. */
+/* Total number of steps in the differences; 0 if too few are multiples. */
 static double steps_in(size_t n, const double *difference, double step) {
     double sum = 0.0, regular = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -20,7 +20,7 @@ static double steps_in(size_t n, const double *difference, double step) {
     return regular >= REGULAR * (double)n ? sum : 0.0;
 }
 
-/* Mean of the differences that are about one step. */
+/* Mean of the differences of about one step. */
 static double refined(size_t n, const double *difference, double about) {
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -45,7 +45,8 @@ palp_status palp_segments_clock(size_t n, const double *time_s, double *step_s, 
     double steps = steps_in(n - 1, difference, small);
     *step_s = steps > 0.0 ? small : middle;
     steps -= (double)(n - 1);
-    *missing = steps > 0.0 ? (size_t)fmin(steps, 1e9) : 0; /* a jump of the clock may count any number */
+    *missing =
+        steps > 0.0 ? (size_t)fmin(steps, 1e9) : 0; /* a jump of the clock may be any number of steps */
     free(difference);
     return PALP_OK;
 }

@@ -1,6 +1,6 @@
-/* segments_contact.c: the air and the contact of a press about which nothing is known: where zero is, which
- * way is down, whether the load cell drifts. recording_contact.c answers another question: of a recording
- * whose depth 0 is said to be contact, whether that is so. */
+/* segments_contact.c: air and contact of a press about which nothing is known: zero force, direction of the
+ * motion, drift of the load cell. recording_contact.c has another task: it checks a depth 0 that is said to
+ * be contact. */
 #include "base/statistics.h"
 #include "segments_internal.h"
 
@@ -10,11 +10,12 @@
 
 enum { WINDOW = 11, ROUNDS = 5, AIR_LEAST = 20, REST_LEAST = 5 };
 
-static const double BEYOND = 4.0;       /* sds that a running mean leaves the air by */
-static const double DOUBTFUL = 2.0;     /* sds from which on it may have left: how exact the contact is */
-static const double APPROACH_AIR = 0.8; /* part of an approach that is surely air */
-static const double RESTING = 1e-3;     /* of the travel: not moving yet */
-static const double FIRST_PART = 0.05;  /* of the travel, by whose slope a force is a travel */
+static const double BEYOND = 4.0; /* distance of a running mean from the air's force at contact, in sds */
+static const double DOUBTFUL =
+    2.0; /* distance at which contact may have begun, in sds: gives the uncertainty */
+static const double APPROACH_AIR = 0.8; /* share of an approach that is certainly air */
+static const double RESTING = 1e-3;     /* relative to the travel: not moving yet */
+static const double FIRST_PART = 0.05;  /* share of the travel whose slope converts force to travel */
 
 static size_t smaller(size_t a, size_t b) {
     return a < b ? a : b;
@@ -67,7 +68,7 @@ double palp_air_force(const palp_air *air, double time_s) {
     return air ? air->level_N + air->drift_N_s * time_s : NAN;
 }
 
-/* Level (and drift, with drifting) of the first n samples. */
+/* Fits the level (and the drift, if drifting) of the first n samples. */
 static void fit_air(const palp_press *p, size_t n, bool drifting, double least_sd, palp_air *air) {
     statistics_line line = statistics_line_fit(n, p->time_s, p->force_N, NULL);
     double squares = 0.0;
@@ -80,7 +81,7 @@ static void fit_air(const palp_press *p, size_t n, bool drifting, double least_s
     air->sd_N = fmax(sqrt(squares / (double)n), least_sd);
 }
 
-/* After the last sample before the peak whose running mean is within so many sds of the air. */
+/* The sample after the last one before the peak whose running mean is within so many sds of the air. */
 static size_t leaves(const palp_press *p, const palp_air *air, double sds) {
     size_t i = p->peak;
     while (i > 0 && fabs(p->mean_N[i] - palp_air_force(air, p->time_s[i])) > sds * air->sd_N)
@@ -88,7 +89,8 @@ static size_t leaves(const palp_press *p, const palp_air *air, double sds) {
     return i == p->peak ? p->peak : i + 1;
 }
 
-/* From where it may have left the air; and the running mean sees contact up to half its window early. */
+/* Uncertainty of contact: from where it may have begun; the running mean is early by up to half its
+ * window. */
 static double exactness(const palp_press *p, const palp_air *air) {
     size_t early = smaller(leaves(p, air, DOUBTFUL), air->contact);
     size_t late = smaller(air->contact + p->window / 2, p->n - 1);
@@ -96,7 +98,7 @@ static double exactness(const palp_press *p, const palp_air *air) {
                 fabs(p->depth[late] - p->depth[air->contact]));
 }
 
-/* What is found to be air then says what air is. */
+/* Fits the level of air again to the samples found to be air, at most ROUNDS times. */
 palp_air palp_press_air(const palp_press *p, bool approach) {
     if (!p)
         return (palp_air){0};
@@ -124,7 +126,7 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
     return air;
 }
 
-/* The trend is seen in the means of the outer thirds. */
+/* A trend shows in the means of the outer thirds. */
 bool palp_press_starts_in_air(const palp_press *p) {
     if (!p)
         return false;
@@ -140,7 +142,7 @@ bool palp_press_starts_in_air(const palp_press *p) {
 
 /* ---- no air ---- */
 
-/* First sample that has moved so far from the start. */
+/* First sample that is so far from the start. */
 static size_t moved(const palp_press *p, double by) {
     size_t i = 0;
     while (i + 1 < p->n && fabs(p->depth[i] - p->depth[0]) <= by)

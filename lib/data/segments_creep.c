@@ -1,12 +1,12 @@
-/* segments_creep.c: where the plate holds a force and the depth goes on: creep. */
+/* segments_creep.c: finds creep: constant force while depth goes on. */
 #include "segments_internal.h"
 
 #include <math.h>
 
-static const double DRIFT = 0.01;  /* of the depth's range: what the depth goes on by at least */
-static const double BEGINS = 0.02; /* of the stretch: what still may belong to the ramp before it */
+static const double DRIFT = 0.01;  /* relative to the range of depth: least motion during creep */
+static const double BEGINS = 0.02; /* relative to the stretch: samples that may still belong to the ramp */
 static const double SLOWER =
-    0.5; /* of the speed before it: what moves so fast is pressed on, whatever the force does */
+    0.5; /* relative to the speed before it: faster motion is a press, whatever the force */
 
 static double range_of(size_t n, const double *x) {
     double low = x[0], high = x[0];
@@ -17,7 +17,7 @@ static double range_of(size_t n, const double *x) {
     return high - low;
 }
 
-/* The first sample so many seconds after another. */
+/* The first sample at least s seconds after sample i. */
 static size_t later(const double *time, size_t i, size_t last, double s) {
     size_t k = i;
     while (k < last && time[k] - time[i] < s)
@@ -25,7 +25,7 @@ static size_t later(const double *time, size_t i, size_t last, double s) {
     return k;
 }
 
-/* Where a force is held from a ramp on, and the depth goes on more slowly than on it. */
+/* Is the force constant from a ramp on, while depth goes on more slowly than on the ramp? */
 static bool creeps(const palp_piece *ramp, const palp_piece *dwell, const double *time, const double *depth,
                    double least) {
     double lasts = time[dwell->last] - time[dwell->first], came = time[ramp->last] - time[ramp->first];

@@ -1,47 +1,45 @@
-/* segments_internal.h: the parts of a path that the library tells apart. Internal. */
+/* segments_internal.h: the parts of a path. Internal. */
 #ifndef SEGMENTS_INTERNAL_H
 #define SEGMENTS_INTERNAL_H
 
 #include <palpate/segments.h>
 
-/* Masks (use[i] = 0) lone samples further from both neighbours than sigma noise sds and three times what the
- * curve moves there; how many. */
+/* Masks (use[i] = 0) single samples further from both neighbours than sigma noise sds and three times the
+ * curve's change there; returns how many. */
 size_t segments_mask_spikes(size_t n, const double *force, double noise, double sigma, unsigned char *use);
 
-/* Lines through the first sample of a piece of a path: the slopes with which all samples so far are within a
- * tolerance. */
+/* The slopes of lines through a piece's first sample that pass all samples so far within a tolerance. */
 typedef struct segments_cone {
     double low, high;
 } segments_cone;
 
 segments_cone segments_cone_open(void);
-/* Narrows it by a sample so much later and deeper than the first; false: no line is left. */
+/* Narrows the cone by a sample, so much later and deeper than the first; false: no slope remains. */
 bool segments_cone_take(segments_cone *cone, double time, double way, double tolerance);
 
-/* bend[n - 2]: sizes of the path's second differences, in the order of the samples. */
+/* bend[n - 2]: absolute second differences of the path, in the order of the samples. */
 void segments_bends(size_t n, const double *depth, double *bend);
 
-/* The first sample after i whose depth is not within a distance of that at i; n if there is none. */
+/* The first sample after i whose depth differs from that at i by more than within, or n. */
 size_t segments_still_end(size_t n, const double *depth, size_t i, double within);
 
-/* First motion into the specimen, from the larger of the start and 0 to the deepest: its first and last
+/* First motion into the specimen, from the larger of the start and 0 to the largest depth: its first and last
  * sample. */
 void segments_ramp(size_t n, const double *depth, double deepest, size_t *start, size_t *end);
 
-/* The last sample at the deepest before the plate is taken back; n if it stays. ramp_end: the ramp's last
- * sample. */
+/* The last sample at the largest depth before withdrawal, or n without one. ramp_end: last sample of the
+ * ramp. */
 size_t segments_press_end(size_t n, const double *depth, double deepest, size_t ramp_end);
 
-/* Contact, its depth and its sd where the rise after the air leads back to; as they are where there are too
- * few samples. */
+/* Refines contact, its depth and sd from the rise after the air. Unchanged if there are too few samples. */
 void segments_refine_contact(const palp_press *press, palp_air *air);
 
-/* Whether the plate moved through air before the contact: by more than 3 sds of it, and without a force. */
+/* Did the plate move through air before contact: by more than 3 sds of contact, and without force? */
 bool segments_air_seen(const palp_press *press, const palp_air *air);
 
-/* The path of a plate whose recorded depth has white noise, in place of depth[n]: a Kalman smoother with white
- * acceleration (Wahba 1978), of the most likely intensity. *noise: the sd; 0 = none beyond an encoder's steps,
- * and the depth stays to the bit. Depth in any unit. ERR_NO_MEMORY. */
+/* The path of a plate whose recorded depth has white noise, in place of depth[n]: a Kalman smoother with
+ * white acceleration (Wahba 1978), of the most likely intensity. *noise: the sd; 0 = none beyond an encoder's
+ * steps, and the depth stays to the bit. Depth in any unit. ERR_NO_MEMORY. */
 palp_status segments_smooth_path(size_t n, const double *time, double *depth, double *noise);
 
 /* Whether sample i can be used: time in s, depth in mm and force in N finite, none beyond 1e12 either way, so

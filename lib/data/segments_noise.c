@@ -1,15 +1,15 @@
-/* segments_noise.c: the white noise of a sample, and samples that are spikes. */
+/* segments_noise.c: white noise of a sample, and spikes. */
 #include "base/statistics.h"
 #include "segments_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* A Gaussian's sd over its median size, and its variance without the outer 5 %; sds beyond which it has
- * nothing. */
+/* For Gaussian noise: sd over median absolute value, variance without the outer 5 %; and sds beyond which
+ * there is none. */
 static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76, BEYOND = 4.5;
 
-/* Root mean square of those up to a limit. */
+/* Root mean square of the values up to a limit. */
 static double trimmed_rms(const double *x, size_t n, double limit) {
     double sum = 0.0, kept = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -20,8 +20,8 @@ static double trimmed_rms(const double *x, size_t n, double limit) {
     return sqrt(sum / kept);
 }
 
-/* The median of those that a Gaussian of that median would have: a burst in a tenth of the samples hardly
- * moves it. */
+/* Median of the values possible for a Gaussian of this median. Bursts in a tenth of the samples hardly move
+ * it. */
 static double trimmed_median(double *bend, size_t n, double middle) {
     enum { ROUNDS = 4 };
     for (int round = 0; round < ROUNDS && middle > 0.0; round++) {
@@ -40,8 +40,8 @@ static double trimmed_median(double *bend, size_t n, double middle) {
     return middle;
 }
 
-/* Corners and spikes do not count in a median. The few counts of a coarse converter show in quantiles that a
- * Gaussian (0.32, 0.67, 1.64 sd) does not have; then the mean square of all but the largest. */
+/* Corners and spikes do not affect a median. The few levels of a coarse converter give quantiles unlike a
+ * Gaussian's (0.32, 0.67, 1.64 sd). In that case the mean square of all but the largest is taken. */
 static double by_median(double *bend, size_t n) {
     double middle = statistics_quantile(bend, n, 0.5), quarter = statistics_quantile(bend, n, 0.25);
     double most = statistics_quantile(bend, n, 0.85);
@@ -56,8 +56,8 @@ static double by_most(double *bend, size_t n) {
     return trimmed_rms(bend, used, limit) / sqrt(KEPT_VARIANCE);
 }
 
-/* How far a sample is from the line through its neighbours, in the size of an even path's second difference.
- */
+/* Distance of a sample from the line through its neighbours, scaled like the second difference of an even
+ * path. */
 static double bend_at(const double *time, const double *force, size_t i) {
     double even = fabs(force[i - 1] - 2.0 * force[i] + force[i + 1]);
     if (!time)

@@ -1,13 +1,13 @@
-/* segments_phases.c: what the plate does at each sample, by the pieces of its path. */
+/* segments_phases.c: the plate's phase at each sample, from the pieces of its path. */
 #include "segments_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Of the time that the motion at a corner takes: how long the corner lasts, and when an early dwell ends. */
+/* Relative to the duration of the motion at a corner: duration of the corner, and end of an early dwell. */
 static const double CORNER = 0.2, EARLY = 5.0;
 
-static const double TURN = 0.25; /* of the range of an oscillation: what a turn in it returns by */
+static const double TURN = 0.25; /* relative to the range of an oscillation: least return of a turn */
 
 const char *palp_phase_name(palp_phase phase) {
     static const char *const names[] = {"air",        "ramp",   "corner",   "early_dwell",
@@ -15,12 +15,12 @@ const char *palp_phase_name(palp_phase phase) {
     return (unsigned)phase < PALP_PHASE_COUNT ? names[phase] : "unknown";
 }
 
-/* The path so far. */
+/* State of a pass along the path. */
 typedef struct walk {
     const double *time, *depth;
     unsigned char *phase;
     bool touched, unloaded;
-    double motion_s; /* how long the last motion within the specimen took; 0 = there was none */
+    double motion_s; /* duration of the last motion in the specimen; 0 = none yet */
 } walk;
 
 static palp_phase moving(walk *w, bool back) {
@@ -28,7 +28,7 @@ static palp_phase moving(walk *w, bool back) {
     return back ? PALP_PHASE_UNLOAD : w->unloaded ? PALP_PHASE_RELOAD : PALP_PHASE_RAMP;
 }
 
-/* In the air it is air or recovery, whatever moves. */
+/* Sets a sample's phase; outside of the specimen it is air or recovery, moving or not. */
 static void put(walk *w, size_t i, palp_phase phase) {
     w->touched = w->touched || w->depth[i] > 0.0;
     w->phase[i] = (unsigned char)(w->depth[i] > 0.0 ? phase
@@ -36,7 +36,7 @@ static void put(walk *w, size_t i, palp_phase phase) {
                                                     : PALP_PHASE_AIR);
 }
 
-/* A motion from one sample to another; it begins with a corner but where it only comes out of the air. */
+/* A motion between two samples; it begins with a corner unless it only comes out of the air. */
 static void walk_motion(walk *w, size_t first, size_t last, bool back, bool corner) {
     w->motion_s = w->time[last] - w->time[first];
     palp_phase phase = moving(w, back);
@@ -55,7 +55,7 @@ static void walk_still(walk *w, size_t first, size_t last) {
     }
 }
 
-/* The next sample at which an oscillation turns, after one to the last. */
+/* The next sample at which an oscillation turns, or last. */
 static size_t next_turn(const double *depth, size_t from, size_t last, double back, bool *down) {
     size_t high = from, low = from;
     for (size_t i = from + 1; i <= last; i++) {
@@ -101,14 +101,14 @@ static void walk_piece(walk *w, const palp_pieces *pieces, size_t k) {
         walk_motion(w, piece->first, piece->last, piece->motion == PALP_MOTION_UNLOAD, !comes);
 }
 
-/* A dwell from where its force is reached; the motion before it began where the plate came from the air, or
+/* A dwell from where its force is reached. The motion before it began where the plate left the air, or
  * stood. */
 static void walk_creep(walk *w, const palp_piece *piece) {
     size_t start = piece->first;
     while (start > 0 && (w->phase[start - 1] == PALP_PHASE_RAMP || w->phase[start - 1] == PALP_PHASE_RELOAD ||
                          w->phase[start - 1] == PALP_PHASE_CORNER))
         start--;
-    w->motion_s = w->time[piece->first + 1] - w->time[start]; /* a sample at least */
+    w->motion_s = w->time[piece->first + 1] - w->time[start]; /* at least one sample */
     walk_still(w, piece->first, piece->last);
 }
 

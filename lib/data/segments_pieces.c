@@ -1,27 +1,27 @@
-/* segments_pieces.c: what the plate did, piece by piece, by its path alone. */
+/* segments_pieces.c: the plate's protocol, piece by piece, from its path alone. */
 #include "segments_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Parts of the path's range: what counts as still; what a turn must return by. Of its deepest: what is hardly
- * touched. */
+/* Relative to the path's range: what counts as still; least return of a turn. Relative to the largest depth:
+ * what counts as hardly touched. */
 static const double STILL = 2e-3, TURN = 0.012, SHALLOW = 0.02;
-static const double PRELOADED = 0.15;  /* likewise, where it stands at the start */
-static const double NOISE = 6.0;       /* sds of the depth that are still, too */
-static const double LASTS = 1.0 / 6.0; /* of the motion before a dwell: how long it must last at least */
-static const double HALTS = 0.04;      /* of the motion after it, where that goes on the same way */
-static const double RESTS = 0.02;      /* of the motion after it, a rest at the start */
-static const double SLOWER = 0.25;     /* of the speed beside it: what moves so fast is not still */
-static const double OVERSHOOT = 0.05;  /* of the ramp before: a way back that settles into the dwell */
+static const double PRELOADED = 0.15;  /* the same for a plate that stands at the start */
+static const double NOISE = 6.0;       /* in sds of depth: what counts as still, too */
+static const double LASTS = 1.0 / 6.0; /* least duration of a dwell, relative to the motion before it */
+static const double HALTS =
+    0.04; /* the same for a halt, relative to the motion after it, in the same direction */
+static const double RESTS = 0.02;     /* the same for a rest at the start, relative to the motion after it */
+static const double SLOWER = 0.25;    /* relative to the speed next to it: faster motion is not still */
+static const double OVERSHOOT = 0.05; /* relative to the ramp before it: a return that ends in the dwell */
 static const double ALIKE =
-    2.0; /* legs of one oscillation differ by less than this factor from its middle one */
-static const double ENDS =
-    0.4; /* of its time, at most, is spent in the outer twentieths of an oscillation's leg */
-static const double SWEPT = 1.5; /* by which factor the length of a sweep's legs changes */
+    2.0; /* legs of an oscillation differ from its middle one by less than this factor */
+static const double ENDS = 0.4;  /* largest share of a leg's time in its outer twentieths */
+static const double SWEPT = 1.5; /* factor by which the length of a sweep's legs changes */
 
-enum { LEGS = 4 }; /* the fewest of an oscillation */
+enum { LEGS = 4 }; /* fewest legs of an oscillation */
 
 const char *palp_motion_name(palp_motion motion) {
     static const char *const names[] = {"rest", "approach", "ramp", "dwell", "unload", "cycle", "sweep"};
@@ -39,8 +39,8 @@ typedef struct path {
     size_t n;
     const double *time, *depth;
     double range, deepest, still; /* still: half the width of what counts as still */
-    size_t n_turns, *turn;        /* [n_turns] samples where the path turns, its ends included */
-    bool whole;                   /* there was memory for all pieces */
+    size_t n_turns, *turn;        /* [n_turns] samples at which the path turns, with its ends */
+    bool whole;                   /* no allocation failed */
     palp_pieces *to;
 } path;
 
@@ -100,7 +100,7 @@ static double leg_time(const path *p, size_t leg) {
     return p->time[p->turn[leg + 1]] - p->time[p->turn[leg]];
 }
 
-/* Whether a leg moves nearly all the time. */
+/* Does a leg move nearly all the time? */
 static bool leg_moves(const path *p, size_t leg) {
     size_t first = p->turn[leg], last = p->turn[leg + 1];
     double a = fmin(p->depth[first], p->depth[last]), way = leg_way(p, leg), near = 0.0;
@@ -108,11 +108,11 @@ static bool leg_moves(const path *p, size_t leg) {
         double part = (0.5 * (p->depth[i] + p->depth[i + 1]) - a) / way;
         near += part < 0.05 || part > 0.95 ? p->time[i + 1] - p->time[i] : 0.0;
     }
-    /* Each sample of a few takes much of the leg. */
+    /* With few samples each takes much of the leg. */
     return near <= (ENDS + 2.0 / (double)(last - first)) * leg_time(p, leg);
 }
 
-/* The legs from one on that oscillate alike. */
+/* Number of legs from this one on that oscillate alike. */
 static size_t oscillation(const path *p, size_t leg) {
     size_t end = leg;
     double least = HUGE_VAL, most = 0.0;
@@ -161,7 +161,7 @@ static size_t merge(stretch *s, size_t n) {
     return n ? m + 1 : 0;
 }
 
-/* The path as straight stretches, those that go the same way as one. */
+/* Divides the path into straight stretches, and merges those of one direction. */
 static size_t cut(const path *p, size_t from, size_t to, stretch *s) {
     size_t n = 0;
     for (size_t first = from, last; first < to; first = last) {
@@ -176,19 +176,19 @@ static size_t cut(const path *p, size_t from, size_t to, stretch *s) {
     return merge(s, n);
 }
 
-/* What stands still for too short is part of the motion beside it, and so is what moves nearly as fast. */
+/* Is a rest too short, or nearly as fast as the motion next to it? Then it is part of that motion. */
 static bool is_short(const path *p, const stretch *s, const stretch *before, const stretch *after) {
     const stretch *beside = before ? before : after;
     if (s->way != 0 || !beside)
         return false;
     double least = (before ? LASTS : RESTS) * lasting(p, beside);
-    if (before && after && before->way == after->way) /* a halt on the way */
+    if (before && after && before->way == after->way) /* a halt during the motion */
         least = fmax(least, HALTS * lasting(p, after));
     return lasting(p, s) < least || speed(p, s) > SLOWER * speed(p, beside);
 }
 
 static size_t drop_short(const path *p, stretch *s, size_t n) {
-    size_t m = 0; /* stretches kept, the last of which grows */
+    size_t m = 0; /* stretches kept, of which the last one grows */
     for (size_t k = 0; k < n; k++) {
         const stretch *before = m > 0 ? &s[m - 1] : NULL, *after = k + 1 < n ? &s[k + 1] : NULL;
         stretch now = s[k];
@@ -202,7 +202,7 @@ static size_t drop_short(const path *p, stretch *s, size_t n) {
     return m;
 }
 
-/* A ramp that overshoots settles into its dwell. */
+/* A return after overshoot belongs to the dwell. */
 static size_t drop_overshoots(const path *p, stretch *s, size_t n) {
     for (size_t k = 1; k + 1 < n; k++)
         if (s[k].way == -s[k - 1].way && s[k + 1].way == 0 &&
@@ -239,16 +239,16 @@ static void name_stretch(path *p, const stretch *s) {
     }
 }
 
-/* Without what belongs to the oscillation after it: the start of its first leg after a rest or a dwell, and
- * the first turn. */
+/* Number of stretches without those that belong to the oscillation after them: the start of its first leg
+ * after a rest or dwell, and the first turn. */
 static size_t without_start(const path *p, const stretch *s, size_t n, double leg) {
     size_t k = n > 0 && s[n - 1].way == 0 ? n - 1 : n;
     return k > 1 && s[k - 1].way != 0 && s[k - 2].way == 0 && fabs(travel(p, &s[k - 1])) < 1.3 * leg ? k - 1
                                                                                                      : n;
 }
 
-/* Samples from one to another, which do not oscillate; what follows is an oscillation of so long a leg, or
- * nothing (0). Where the oscillation begins. */
+/* Pieces between two samples without oscillation. leg: length of a leg of the oscillation that follows, 0 if
+ * none. Returns where the oscillation begins. */
 static size_t straight(path *p, size_t from, size_t to, double leg) {
     stretch *s = malloc((to - from + 1) * sizeof *s);
     if (!s) {

@@ -1,5 +1,4 @@
-/* segments_rise.c: where a press touches, by the force that rises after the air: level + a (depth -
- * contact)^p. */
+/* segments_rise.c: finds contact from the force that rises after the air: level + a (depth - contact)^p. */
 #include "segments_internal.h"
 
 #include <math.h>
@@ -7,10 +6,10 @@
 enum { STEPS = 40, ROUNDS = 4, POWERS = 3, FEWEST = 8, MOST = 20000 };
 
 static const double POWER[POWERS] = {1.0, 1.5, 2.0};
-static const double FIRST_PART = 1.0 / 6.0; /* of the rise to the peak, by whose samples contact is found */
-static const double CLEAR = 20.0, MOST_PART = 0.5; /* or by more of them, up to so many sds of the noise */
+static const double FIRST_PART = 1.0 / 6.0;        /* share of the rise to the peak whose samples are used */
+static const double CLEAR = 20.0, MOST_PART = 0.5; /* or a larger share, up to so many sds of the noise */
 
-/* Samples of the rise; the plate's way from the first is positive. */
+/* Samples of the rise; the plate's travel is positive from the first. */
 typedef struct rise {
     const palp_press *press;
     size_t n;
@@ -25,10 +24,11 @@ static double power_of(double x, double p) {
     return x <= 0.0 ? 0.0 : p == 1.0 ? x : p == 2.0 ? x * x : x * sqrt(x);
 }
 
-/* Squares left of the line through force against (way - contact)^p. */
+/* Sum of squared residuals of the line through force over (way - contact)^p. */
 static double squares(const rise *r, double contact, double p) {
     double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0, n = 0.0, y0 = r->press->force_N[0];
-    for (size_t i = 0; i < r->n; i += r->n / MOST + 1, n += 1.0) { /* of very many every so many */
+    for (size_t i = 0; i < r->n;
+         i += r->n / MOST + 1, n += 1.0) { /* with very many samples only some are used */
         double x = power_of((way(r, i) - contact) / r->farthest, p), y = r->press->force_N[i] - y0;
         sx += x;
         sy += y;
@@ -40,7 +40,7 @@ static double squares(const rise *r, double contact, double p) {
     return xx > 0.0 ? fmax(yy - xy * xy / xx, 0.0) : yy;
 }
 
-/* The contact that leaves the fewest squares, by ever finer steps. */
+/* The contact with the least sum of squares, by ever finer steps. */
 static double best_contact(const rise *r, double p, double *least) {
     double low = 0.0, high = 0.98 * r->farthest, best = 0.0;
     *least = HUGE_VAL;
@@ -59,7 +59,7 @@ static double best_contact(const rise *r, double p, double *least) {
     return best;
 }
 
-/* By how far the contact moves until the squares grow by a variance of the noise. */
+/* Standard error of contact: the distance at which the sum of squares grows by a variance of the noise. */
 static double scatter(const rise *r, double contact, double p, double least, double variance) {
     double h = 1e-3 * r->farthest;
     while (h < r->farthest && squares(r, contact + h, p) - least < variance)
@@ -68,7 +68,7 @@ static double scatter(const rise *r, double contact, double p, double least, dou
     return more > 0.0 ? h * sqrt(variance / more) : r->farthest;
 }
 
-/* The contacts of the powers, each as likely as its squares say; and their scatter. */
+/* Mean contact over the powers, weighted by their likelihood, and its sd. */
 static double weighted(const rise *r, double noise, double *sd) {
     double contact[POWERS], left[POWERS], least = HUGE_VAL, sum = 0.0, mean = 0.0, square = 0.0;
     for (size_t k = 0; k < POWERS; k++) {
@@ -106,8 +106,7 @@ void segments_refine_contact(const palp_press *press, palp_air *air) {
         air->contact++;
 }
 
-/* The force on the first of the way to the contact is that of the air, as exactly as the noise lets it be
- * told. */
+/* Before contact the force must be that of air, as exactly as noise permits. */
 bool segments_air_seen(const palp_press *press, const palp_air *air) {
     rise r = {press, air->contact, air->contact_depth > press->depth[0] ? 1.0 : -1.0, 0.0};
     double travel = fabs(air->contact_depth - press->depth[0]), sum = 0.0, count = 0.0, rest = 0.0;

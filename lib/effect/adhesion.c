@@ -1,11 +1,11 @@
-/* adhesion.c: a specimen that sticks to the plate until it is pulled off. */
+/* adhesion.c: a specimen that sticks to the plate until the plate is pulled off. */
 #include "effect_internal.h"
 
 #include <math.h>
 
-/* value: force, reach. The traction of Xu and Needleman (1993): the pull grows with the gap, is strongest
- * where the gap is the reach, and fades beyond. Without a reach the surface stays on the plate up to that
- * force; there is no derivative by a reach of 0. */
+/* value: force, reach. The traction of Xu and Needleman (1993): the pull rises with the gap to a maximum at
+ * the reach and falls beyond. Without a reach the surface stays on the plate up to that force; there is then
+ * no derivative by the reach. */
 static void bond(const double *value, double gap, effect_bond *out) {
     out->strongest = out->pull = value[0];
     out->reach = value[1];
@@ -19,9 +19,8 @@ static void bond(const double *value, double gap, effect_bond *out) {
     out->by_value[1] = -out->by_gap * x;
 }
 
-/* Where plates let go with a jump the force is not fitted, as which sample is the last before it has no
- * derivative: between the strongest pull that was recorded and what would be too strong, both to three
- * standard deviations of the noise. */
+/* If plates let go with a jump the force is not fitted, as the last sample before the jump has no derivative.
+ * It lies between the largest recorded pull and one too large, both with three sds of the noise. */
 static bool read_pull(const effect_data *data, effect_read *out) {
     double noise = 3.0 * data->white;
     out->low = fmax(0.0, data->pull[0] - noise);
@@ -33,7 +32,7 @@ static palp_status starts(const effect_data *data, effect_starts *out) {
     static const double parts[] = {0.003, 0.02, 0.06, 0.2}, places[] = {0.1, 0.35, 0.6, 0.85};
     effect_read read;
     const bool jumps = read_pull(data, &read);
-    for (size_t k = 0; k < (jumps ? 4u : 2u); k++) /* the strongest of a noisy record is more than the pull */
+    for (size_t k = 0; k < (jumps ? 4u : 2u); k++) /* the maximum of a noisy record exceeds the pull */
         for (size_t j = 0; j < 4; j++)
             effect_start_at(
                 out, jumps ? read.low + places[k] * (read.high - read.low) : data->pulled / (1.0 + (double)k),

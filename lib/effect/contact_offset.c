@@ -1,4 +1,4 @@
-/* contact_offset.c: a surface that is not where depth 0 was said to be. */
+/* contact_offset.c: a surface that is not at the nominal depth 0. */
 #include "effect_internal.h"
 
 static void map(const double *value, const effect_press *at, effect_surface *out) {

@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-static const double SLIDING = 1e-3; /* of the run's largest speed, at which it has half its force */
+static const double SLIDING =
+    1e-3; /* relative to the run's largest speed: the speed at half the friction force */
 
 static void sensor(const double *value, const effect_moment *at, double input, double input_old,
                    double output_old, effect_reading *out) {

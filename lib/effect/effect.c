@@ -1,4 +1,4 @@
-/* effect.c: the catalogue of effects: what can be asked of it. */
+/* effect.c: the catalogue of effects and its properties. */
 #include "effect_internal.h"
 #include "base/file.h"
 

@@ -1,5 +1,5 @@
-/* effect_internal.h: a row of the catalogue: what an effect is and does. Each row is in its effect's own
- * file; the rest of the library runs, fits and names effects by their rows only. */
+/* effect_internal.h: a row of the catalogue: properties and functions of an effect. Each row is in its
+ * effect's own file; the library runs, fits and names effects by their rows only. */
 #ifndef EFFECT_INTERNAL_H
 #define EFFECT_INTERNAL_H
 
@@ -7,7 +7,7 @@
 
 #include "material/element.h"
 
-/* ---- between the encoder and the specimen's surface: the depth that goes on ---- */
+/* ---- between the encoder and the specimen's surface: a map of the depth ---- */
 typedef struct effect_press {
     double depth, force; /* on the plate */
     double change;       /* of the effect's column since the first sample */
@@ -17,10 +17,10 @@ typedef struct effect_surface {
     double depth, by_depth, by_force, by_change, by_value[PALP_EFFECT_PARAMETERS];
 } effect_surface;
 
-/* out comes with the depth of at, by_depth = 1 and the rest 0. */
+/* out is initialised with the depth of at, by_depth = 1 and 0 for all else. */
 typedef void effect_map(const double *value, const effect_press *at, effect_surface *out);
 
-/* ---- between the plate and the recorded force: one sample of the force that goes on ---- */
+/* ---- between the plate and the recorded force: one sample of the force ---- */
 typedef struct effect_moment {
     double time, since;                   /* as recorded; since the first sample */
     double step;                          /* since the sample before, 0 = there is none */
@@ -33,22 +33,22 @@ typedef struct effect_reading {
     double force, by_input, by_input_old, by_output_old, by_value[PALP_EFFECT_PARAMETERS];
 } effect_reading;
 
-/* input_old and output_old: of this stage at the sample before; their derivatives are followed through. out
- * comes with by_input = 1 and the rest 0. */
+/* input_old and output_old: this stage's values at the sample before; their derivatives are included. out is
+ * initialised with by_input = 1 and 0 for all else. */
 typedef void effect_sensor(const double *value, const effect_moment *at, double input, double input_old,
                            double output_old, effect_reading *out);
 
-/* ---- beside the specimen's spring: a relaxation modulus as a sum of exponentials ---- */
+/* ---- parallel to the specimen's spring: a relaxation modulus as a sum of exponentials ---- */
 enum { EFFECT_MODES_MAX = 32, EFFECT_MODES_MIN = 6 };
 
-/* How many of them (EFFECT_MODES_MIN to EFFECT_MODES_MAX), and the rates between which a power law needs
- * them, 1/s. */
+/* Number of exponentials (EFFECT_MODES_MIN to EFFECT_MODES_MAX), and the range of their rates for a power
+ * law, 1/s. */
 typedef struct effect_range {
     size_t n;
     double slow, fast;
 } effect_range;
 
-/* One of them, weight exp(-rate t), and its derivatives by the effect's parameters. */
+/* One exponential, weight exp(-rate t), and its derivatives by the effect's parameters. */
 typedef struct effect_mode {
     double weight, rate;
     double weight_by[PALP_EFFECT_PARAMETERS], rate_by[PALP_EFFECT_PARAMETERS];
@@ -59,27 +59,27 @@ typedef void effect_spectrum(const double *value, const effect_range *range, eff
 
 /* ---- the specimen's arms and spring ---- */
 
-/* How far a parameter moves an arm: log K with tau held, log tau with K held, beta, gamma. */
+/* Derivatives of an arm by a parameter: log K at fixed tau, log tau at fixed K, beta, gamma. */
 typedef struct effect_arm {
     double log_stiffness, log_time, beta, gamma;
 } effect_arm;
 
-/* Changes an arm of the model, or of another effect; by_value comes zeroed. */
+/* Changes an arm of the model or of another effect; by_value is initialised with 0. */
 typedef void effect_arms(const double *value, palp_arm *arm, effect_arm by_value[PALP_EFFECT_PARAMETERS]);
 
-/* Changes how loading damages the spring; by_value comes zeroed. */
+/* Changes how loading damages the spring; by_value is initialised with 0. */
 typedef void effect_history(const double *value, element_damage *damage,
                             element_damage by_value[PALP_EFFECT_PARAMETERS]);
 
 /* ---- between the plate and the surface ---- */
 
-/* What pulls a surface that is so far behind the plate; strongest without a reach: it stays on the plate up
- * to there. */
+/* Force on a surface at this distance behind the plate. strongest: without a reach, the surface stays on the
+ * plate up to this force. */
 typedef struct effect_bond {
     double strongest, reach;
     double pull, by_gap, by_value[PALP_EFFECT_PARAMETERS];
 } effect_bond;
-typedef void effect_bonds(const double *value, double gap, effect_bond *out); /* out comes zeroed */
+typedef void effect_bonds(const double *value, double gap, effect_bond *out); /* out is initialised with 0 */
 
 /* ---- a number: a factor, a stiffness ---- */
 typedef struct effect_number {
@@ -87,36 +87,34 @@ typedef struct effect_number {
 } effect_number;
 typedef void effect_quantity(const double *value, double at, effect_number *out);
 
-/* ---- the search for an effect in measured runs ---- */
+/* ---- identification of an effect from measured runs ---- */
 
-/* What the runs hold, as the plate moves in them. */
+/* Motions of the plate that the runs contain. */
 typedef struct effect_shown {
-    double speeds; /* fastest over slowest mean speed of a stretch while it presses; HUGE_VAL where it stands
-                      or turns back */
-    double back;   /* furthest way back within a run, of the deepest */
-    double depths; /* deepest over the least deep dwell or run, of those that press */
+    double speeds; /* ratio of the fastest to the slowest mean speed of a stretch under load; HUGE_VAL with a
+                      dwell or reversal */
+    double back;   /* longest return within a run, relative to the largest depth */
+    double depths; /* ratio of the largest to the smallest depth of a dwell or run under load */
     bool again;    /* a specimen is pressed again */
-    double rate;   /* samples a second of the slowest run */
-    double stride; /* largest way between two samples, of the run where it is least, m */
+    double rate;   /* sample rate of the slowest run, 1/s */
+    double stride; /* largest motion between two samples, of the run where it is least, m */
 } effect_shown;
 
-/* What runs tell: longest run, typical time from sample to sample, largest depth, speed and force, sd of a
+/* Properties of the runs: longest run, typical sample interval, largest depth, speed and force, sd of a
  * sample's white noise; the specimen's height. */
 typedef struct effect_data {
     double duration, step, deepest, fastest, peak, white, height;
-    size_t n_releases; /* at which a plate let go with a jump, */
-    double pull[2];    /* and the pull there: the strongest recorded, and what would be too strong */
-    double pulled; /* strongest pull that the runs record on withdrawal, and what noise hides at least; 0 = no
-                      plate goes so far */
+    size_t n_releases; /* releases of a plate with a jump, */
+    double pull[2];    /* and the pull there: largest recorded, and too large */
+    double pulled; /* largest pull recorded on withdrawal, at least what noise hides; 0 = no withdrawal that
+                      far */
     effect_shown shown;
-    double frame[2];  /* what runs on a rigid block show of the frame's compliance, an interval; 0, 0 = there
-                         are none */
-    const void *runs; /* of the next two */
-    const double *residual; /* that a fit leaves of them; NULL: not asked for */
-    /* Period, amplitude and phase of the strongest wave that the residual has over depth. */
+    double frame[2];  /* interval of the frame's compliance from runs on a rigid block; 0, 0 = no such runs */
+    const void *runs; /* for the next two functions */
+    const double *residual; /* residual of a fit to the runs; NULL: not needed */
+    /* Period, amplitude and phase of the residual's largest wave over depth. */
     palp_status (*wave_in_depth)(const struct effect_data *data, double wave[3]);
-    /* By how much a column changes within a run, at most; 0 where that is its noise, and where no run has it.
-     */
+    /* Largest change of a column within a run; 0 if it is noise or no run has the column. */
     double (*change_of)(const struct effect_data *data, const char *column);
 } effect_data;
 
@@ -129,27 +127,27 @@ typedef struct effect_starts {
 } effect_starts;
 
 void effect_start_at(effect_starts *starts, double a, double b, double c);
-/* n of the second parameter, a time: from so many samples to twice the longest run, evenly in its logarithm.
- */
+/* n starts of the second parameter, a time, with even logarithms: from so many samples to twice the longest
+ * run. */
 void effect_start_times(effect_starts *starts, const effect_data *data, double samples, size_t n);
 
-/* What recordings must hold for an effect to be told at all, however strong it is; row->least says how much
- * of it. What is left of the effect beside the specimen's law is asked beside it. */
+/* What recordings must contain for an effect to be identifiable, however large it is; row->least is the
+ * amount. Identifiability conditional on the specimen's law is tested separately. */
 typedef enum effect_need {
-    EFFECT_NEEDS_NOTHING,    /* what is left of it says all */
-    EFFECT_NEEDS_RATES,      /* speeds that differ by a factor, a dwell, or a reversal */
-    EFFECT_NEEDS_REVERSAL,   /* a way back, of the deepest */
+    EFFECT_NEEDS_NOTHING,    /* nothing more */
+    EFFECT_NEEDS_RATES,      /* speeds that differ by this factor, a dwell, or a reversal */
+    EFFECT_NEEDS_REVERSAL,   /* a return, relative to the largest depth */
     EFFECT_NEEDS_UNLOADING,  /* the same, or a specimen that is pressed again */
-    EFFECT_NEEDS_WITHDRAWAL, /* until the force is gone */
-    EFFECT_NEEDS_DEPTHS,     /* two depths, by a factor; or a way back through all of them */
-    EFFECT_NEEDS_NYQUIST,    /* samples fast enough for its second parameter, a frequency, and so many of its
-                                periods in a run */
-    EFFECT_NEEDS_PERIODS,    /* room for so many periods of it in the travel, each of two samples at least */
-    EFFECT_NEEDS_COLUMN,     /* its own column, which changes */
-    EFFECT_NEEDS_WEIGHT      /* a known weight, which no recording of a press has */
+    EFFECT_NEEDS_WITHDRAWAL, /* withdrawal until the force is gone */
+    EFFECT_NEEDS_DEPTHS,     /* two depths that differ by this factor, or a return through all of them */
+    EFFECT_NEEDS_NYQUIST, /* a sample rate above twice its second parameter, a frequency, and so many periods
+                             in a run */
+    EFFECT_NEEDS_PERIODS, /* so many of its periods in the travel, with at least two samples each */
+    EFFECT_NEEDS_COLUMN,  /* its own column, not constant */
+    EFFECT_NEEDS_WEIGHT   /* a known weight, which no recording of a press has */
 } effect_need;
 
-/* The interval of a parameter that is read off the data and not fitted. */
+/* The interval of a parameter that is computed from the data, not fitted. */
 typedef struct effect_read {
     double low, high;
 } effect_read;
@@ -162,26 +160,27 @@ typedef struct effect_row {
     bool gives_way; /* the map's depth depends on the force */
     effect_sensor *sensor;
     bool remembers; /* the sensor's reading depends on the one before it */
-    bool bends;     /* the sensor's reading is no straight line over the force */
+    bool bends;     /* the sensor's reading is a nonlinear function of the force */
     effect_spectrum *spectrum;
-    bool arm; /* it is one more arm: its parameters are K and tau */
+    bool arm; /* it is an additional arm with parameters K and tau */
     effect_arms *arms;
     effect_history *history;
-    effect_quantity *spring;   /* factor of the spring's force at a strain rate of the plate, 1/s */
-    effect_quantity *specimen; /* factor of all the specimen's force at a time of the session, s */
-    effect_bonds *bond;        /* of a surface to the plate; one effect of a model at most */
-    effect_quantity
-        *foundation; /* stiffness that holds a network's nodes sideways at the plates over that of the
-                      elements there, at = 0; by_value: of its logarithm. Held fast where the effect is off */
+    effect_quantity *spring;     /* factor of the spring's force at a strain rate of the plate, 1/s */
+    effect_quantity *specimen;   /* factor of the specimen's whole force at a time of the session, s */
+    effect_bonds *bond;          /* between surface and plate; at most one effect of a model */
+    effect_quantity *foundation; /* stiffness that supports a network's nodes sideways at the plates, relative
+                                    to that of the elements there, at = 0; by_value: of its logarithm. Nodes
+                                    are fixed if the effect is off */
     effect_need need;
-    double least;                                                       /* how much of it */
-    palp_status (*starts)(const effect_data *data, effect_starts *out); /* NULL: one, with all values 0 */
+    double least;                                                       /* amount of it */
+    palp_status (*starts)(const effect_data *data, effect_starts *out); /* NULL: one start, all values 0 */
     bool (*read)(const effect_data *data,
-                 effect_read *out); /* NULL, or of its first parameter, if these runs show it */
-    bool line;       /* a line of the spectrum whose phase is each run's own; at most one effect is */
-    double scanned;  /* the search looks at so many periods or frequencies and takes the best; 0 = at one */
-    bool of_runs;    /* each run has one of its own beside it: what can be told is their mean */
-    bool as_scatter; /* may first look like scatter of the runs' gains or contacts */
+                 effect_read *out); /* NULL, or computes the first parameter if these runs determine it */
+    bool line;       /* a spectral line whose phase differs between runs; at most one effect is */
+    double scanned;  /* number of periods or frequencies among which the search takes the best; 0 = only the
+                        start */
+    bool of_runs;    /* a nuisance parameter of each run adds to it: only their mean is identifiable */
+    bool as_scatter; /* may first appear as scatter of the runs' gains or contacts */
 } effect_row;
 
 #define EFFECT_ALIKE(...)                                                                                    \
@@ -195,14 +194,13 @@ const effect_row *effect_row_of(palp_effect_id id); /* NULL outside the catalogu
 
 enum { EFFECT_LACK_MAX = 160 };
 
-/* Whether the runs hold what the effect needs; if not, what they hold instead, with its number, and what
- * would do. */
+/* Do the runs contain what the effect needs? If not, lack says what they contain instead, with its number,
+ * and what would suffice. */
 bool effect_need_met(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]);
 
-palp_effect_id
-effect_line(void); /* the effect that is a line of the spectrum; PALP_EFFECT_COUNT: there is none */
+palp_effect_id effect_line(void); /* the effect that is a spectral line; PALP_EFFECT_COUNT if there is none */
 
-/* Whether all strengths are zero. */
+/* Are all strengths zero? */
 bool effect_is_off(const palp_effect *effect);
 
 #endif

@@ -1,12 +1,13 @@
-/* effect_need.c: whether recordings hold what an effect must have to be told at all. */
+/* effect_need.c: do recordings contain what makes an effect identifiable? */
 #include "effect_internal.h"
 #include "base/file.h"
 
 #include <math.h>
 
-static const double TURNED = 0.1; /* of the deepest: a way back that is a motion in the other direction */
+static const double TURNED =
+    0.1; /* relative to the largest depth: shortest return that counts as a reversal */
 static const double CLEAR =
-    1.0 / 3.0; /* of the highest frequency of a line: by so much its alias lies above what changes slowly */
+    1.0 / 3.0; /* relative to a line's highest frequency: its alias must lie so far above slow changes */
 
 static bool nyquist(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     const palp_effect_parameter *frequency = &row->info.parameter[1];

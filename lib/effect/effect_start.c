@@ -1,4 +1,4 @@
-/* effect_start.c: where a search for an effect starts. */
+/* effect_start.c: starting values for the search for an effect. */
 #include "effect_internal.h"
 
 #include <math.h>

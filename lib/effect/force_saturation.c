@@ -14,7 +14,7 @@ static void sensor(const double *value, const effect_moment *at, double input, d
     out->by_value[0] = copysign(1.0, input);
 }
 
-/* Below noise that came after it. */
+/* Below the largest force, as noise is added after saturation. */
 static palp_status starts(const effect_data *data, effect_starts *out) {
     effect_start_at(out, data->peak - 3.0 * data->white, 0.0, 0.0);
     return PALP_OK;

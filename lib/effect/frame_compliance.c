@@ -1,4 +1,4 @@
-/* frame_compliance.c: a frame that gives way under load. */
+/* frame_compliance.c: a frame that deforms under load. */
 #include "effect_internal.h"
 
 static void map(const double *value, const effect_press *at, effect_surface *out) {
@@ -7,7 +7,7 @@ static void map(const double *value, const effect_press *at, effect_surface *out
     out->by_value[0] = -at->force;
 }
 
-/* A rigid block shows the frame alone. */
+/* Runs on a rigid block measure the frame alone. */
 static bool read_frame(const effect_data *data, effect_read *out) {
     out->low = data->frame[0];
     out->high = data->frame[1];

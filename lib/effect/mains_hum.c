@@ -1,4 +1,4 @@
-/* mains_hum.c: the mains in the force, with a phase of each run. */
+/* mains_hum.c: mains hum in the force; each run has its own phase. */
 #include "effect_internal.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* permanent_set.c: a spring that does not come back to its full length. */
+/* permanent_set.c: a spring that does not return to its full length. */
 #include "effect_internal.h"
 
 static void history(const double *value, element_damage *damage,

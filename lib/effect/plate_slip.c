@@ -1,10 +1,10 @@
-/* plate_slip.c: a network's nodes at the plates, held sideways by springs instead of fast. */
+/* plate_slip.c: springs support a network's nodes at the plates sideways, instead of fixing them. */
 #include "effect_internal.h"
 
 #include <math.h>
 
 static const double END =
-    1e-6; /* of the slip at either end, where the foundation or its derivative would be a limit */
+    1e-6; /* smallest distance of the slip from both ends, where the foundation or its derivative diverges */
 
 static void foundation(const double *value, double at, effect_number *out) {
     double slip = fmax(value[0], END);
@@ -13,7 +13,7 @@ static void foundation(const double *value, double at, effect_number *out) {
     out->by_value[0] = -1.0 / (slip * fmax(1.0 - slip, END));
 }
 
-/* Not from a firm hold, where its force hardly changes. */
+/* Does not start from full support, where the force hardly depends on slip. */
 static palp_status starts(const effect_data *data, effect_starts *out) {
     (void)data;
     effect_start_at(out, 0.05, 0.0, 0.0);

@@ -1,11 +1,12 @@
-/* poroelastic.c: liquid that is pressed out of pores: the relaxation modulus as a sum of exponentials. */
+/* poroelastic.c: liquid pressed out of pores: its relaxation modulus as a sum of exponentials. */
 #include "effect_internal.h"
 
 #include <math.h>
 
 static const double PI = 3.14159265358979323846;
 
-/* Terms 1 / n^2 of the odd n in [n, end) as one mode: its weight, and the viscosity that gives its rate. */
+/* Terms 1 / n^2 of odd n in [n, end) as one mode; returns its weight and the viscosity that determines its
+ * rate. */
 static effect_mode group(int n, int end, double *weight, double *viscosity) {
     double w = 0.0, v = 0.0;
     for (; n < end; n += 2) {
@@ -17,13 +18,13 @@ static effect_mode group(int n, int end, double *weight, double *viscosity) {
     return (effect_mode){.weight = w, .rate = w / v};
 }
 
-/* value: stiffness, time. 8 / pi^2 sum over odd n of exp(-n^2 t / time) / n^2: the first terms as they are,
- * then groups that become wider, then all that is left. */
+/* value: stiffness, time. 8 / pi^2 sum over odd n of exp(-n^2 t / time) / n^2: first single terms, then
+ * groups of increasing width, then all other terms. */
 static void spectrum(const double *value, const effect_range *range, effect_mode *mode) {
     enum { LAST = 1001 };
     const double whole = PI * PI / 8.0; /* sum of 1 / n^2 */
     const size_t alone = range->n / 3, groups = range->n - 1 - alone;
-    double weight = whole, viscosity = PI * PI * PI * PI / 96.0; /* what is left of both sums */
+    double weight = whole, viscosity = PI * PI * PI * PI / 96.0; /* remainders of both sums */
     int n = 1;
     for (size_t i = 0; i + 1 < range->n; i++) {
         double wider = pow((double)LAST / n, 1.0 / (double)(alone + groups - i));

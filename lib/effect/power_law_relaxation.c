@@ -1,4 +1,5 @@
-/* power_law_relaxation.c: a springpot beside the spring: its relaxation modulus as a sum of exponentials. */
+/* power_law_relaxation.c: a springpot parallel to the spring: its relaxation modulus as a sum of
+ * exponentials. */
 #include "effect_internal.h"
 
 #include <math.h>
@@ -13,8 +14,8 @@ static double geometric(double p, double u, double h, double *slope) {
 }
 
 /* value: c, a. t^-a / Gamma(1-a) = sin(pi a) / pi * integral of exp(a u - e^u t) du by the trapezoidal rule,
- * which converges exponentially in 1 / h. What lies beyond its ends is one mode each of the same first two
- * moments: of the slow ones what they add after long times, of the fast ones their viscosity. */
+ * which converges exponentially in 1 / h. Each remainder is one mode with the same first two moments. For
+ * slow modes this keeps their effect at long times, for fast ones their viscosity. */
 static void spectrum(const double *value, const effect_range *range, effect_mode *mode) {
     const size_t inner = range->n - 2;
     const double c = value[0], a = value[1], turn = PI / tan(PI * a);

@@ -1,12 +1,11 @@
-/* rate_stiffening.c: a spring that is stiffer by each decade of strain rate. */
+/* rate_stiffening.c: a spring whose stiffness grows with each decade of strain rate. */
 #include "effect_internal.h"
 
 #include <math.h>
 
-static const double FIRST =
-    0.01; /* strain rate from which on decades count where a file does not tell, 1/s */
+static const double FIRST = 0.01; /* strain rate above which decades count if the file does not say, 1/s */
 
-/* value: stiffening by each decade, strain rate from which on they count. */
+/* value: stiffening per decade, strain rate above which decades count. */
 static void spring(const double *value, double rate, effect_number *out) {
     const double first = value[1] > 0.0 ? value[1] : FIRST, x = fabs(rate) / first;
     out->by_value[0] = log10(1.0 + x);

@@ -1,4 +1,4 @@
-/* relaxation_arm.c: one more Maxwell arm. */
+/* relaxation_arm.c: an additional Maxwell arm. */
 #include "effect_internal.h"
 
 static palp_status starts(const effect_data *data, effect_starts *out) {

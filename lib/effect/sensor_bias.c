@@ -1,4 +1,4 @@
-/* sensor_bias.c: a zero of the sensor that is off in all runs. */
+/* sensor_bias.c: an error of the sensor's zero, equal in all runs. */
 #include "effect_internal.h"
 
 static void sensor(const double *value, const effect_moment *at, double input, double input_old,

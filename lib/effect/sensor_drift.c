@@ -1,4 +1,4 @@
-/* sensor_drift.c: a zero of the sensor that moves during a run. */
+/* sensor_drift.c: a zero of the sensor that drifts during a run. */
 #include "effect_internal.h"
 
 static void sensor(const double *value, const effect_moment *at, double input, double input_old,

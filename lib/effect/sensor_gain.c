@@ -1,4 +1,4 @@
-/* sensor_gain.c: a sensor that reads too much or too little by a factor. */
+/* sensor_gain.c: an error of the sensor's gain. */
 #include "effect_internal.h"
 
 static void sensor(const double *value, const effect_moment *at, double input, double input_old,

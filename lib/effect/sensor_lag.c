@@ -1,4 +1,4 @@
-/* sensor_lag.c: a sensor that is late, as behind a low-pass filter. */
+/* sensor_lag.c: a sensor with a delay, like a low-pass filter. */
 #include "effect_internal.h"
 
 #include <math.h>

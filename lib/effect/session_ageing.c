@@ -1,4 +1,4 @@
-/* session_ageing.c: a specimen that grows stiffer or softer during the session. */
+/* session_ageing.c: a specimen that becomes stiffer or softer during the session. */
 #include "effect_internal.h"
 
 static void specimen(const double *value, double session_s, effect_number *out) {

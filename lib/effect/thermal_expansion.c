@@ -1,4 +1,4 @@
-/* thermal_expansion.c: a frame that grows with its temperature, which the recording has a column of. */
+/* thermal_expansion.c: a frame that expands with its temperature, which is a column of the recording. */
 #include "effect_internal.h"
 
 static const char COLUMN[] = "temperature_C";

@@ -1,4 +1,4 @@
-/* toe_region.c: an uneven surface that comes into contact bit by bit. */
+/* toe_region.c: an uneven surface that comes into contact gradually. */
 #include "effect_internal.h"
 
 #include <math.h>

@@ -8,8 +8,8 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Stress of a Maxwell arm, z(t) - z(t - c) of Eq. 3.50 in one product: what it has gained by the end
- * of the ramp, decayed since. The thesis' exp(c / tau) would overflow for a long ramp. */
+/* Stress of a Maxwell arm, z(t) - z(t - c) of Eq. 3.50 as one product: its value at the end of the ramp, and
+ * the decay since. The thesis' exp(c / tau) would overflow for a long ramp. */
 static double arm_ramp_hold(palp_spring_dashpot arm, double rate, double ramp_s, double t) {
     double ramped = fmin(t, ramp_s), tau = arm.viscosity_Pa_s / arm.modulus_Pa;
     return -rate * arm.viscosity_Pa_s * expm1(-ramped / tau) * exp(-(t - ramped) / tau);
@@ -46,7 +46,7 @@ double palp_voigt_creep(palp_spring_dashpot model, double stress_Pa, double t) {
     return -stress_Pa / model.modulus_Pa * expm1(-t * model.modulus_Pa / model.viscosity_Pa_s);
 }
 
-/* Eq. 3.29 with the strain that its impulse lacks. */
+/* Eq. 3.29 and the strain impulse that it leaves out. */
 double palp_voigt_relaxation(palp_spring_dashpot model, double strain, double t, double *impulse_Pa_s) {
     if (impulse_Pa_s)
         *impulse_Pa_s = model.viscosity_Pa_s * strain;
@@ -58,7 +58,7 @@ double palp_voigt_ramp(palp_spring_dashpot model, double rate_1_s, double t) {
     return palp_voigt_ramp_hold(model, rate_1_s, t, t);
 }
 
-/* Eq. 3.33; the step u(t - c) there is taken as 0 at t = c. */
+/* Eq. 3.33, with its step u(t - c) taken as 0 at t = c. */
 double palp_voigt_ramp_hold(palp_spring_dashpot model, double rate_1_s, double ramp_s, double t) {
     if (t < 0.0)
         return 0.0;
@@ -126,7 +126,7 @@ double palp_generalized_maxwell_ramp_hold(const palp_generalized_maxwell *model,
     return stress;
 }
 
-/* Arms by rising rate 1 / tau, those of one tau made into one. */
+/* Arms by rising rate 1 / tau; arms of equal tau are merged. */
 typedef struct spectrum_arms {
     size_t n;
     double modulus[PALP_ARMS_MAX], rate[PALP_ARMS_MAX];
@@ -161,7 +161,7 @@ static void insert_arm(spectrum_arms *arms, double modulus, double rate) {
     arms->rate[i] = rate;
 }
 
-/* The zero p of sum_j E_j p / (r_j - p) - E_inf, rising on low < p < high, to the last bit. */
+/* The zero p of sum_j E_j p / (r_j - p) - E_inf, which rises on low < p < high, to the last bit. */
 static double find_zero(const spectrum_arms *arms, double spring, double low, double high) {
     for (;;) {
         double p = low + 0.5 * (high - low), sum = -spring;
@@ -224,8 +224,8 @@ double palp_generalized_maxwell_creep(const palp_retardation *spectrum, double s
     return stress_Pa * compliance;
 }
 
-/* q_j of Eq. 4.7 on ramp and hold, with the beta term of Eq. 3.79's E_j(strain): for a drive
- * K_j (1 + beta |A| t) A it gains K_j A (tau g + beta |A| (tau t - tau^2 g)) by t, g = 1 - exp(-t/tau). */
+/* q_j of Eq. 4.7 for ramp and hold, with the beta term of E_j(strain) in Eq. 3.79. A drive K_j (1 + beta |A|
+ * t) A reaches K_j A (tau g + beta |A| (tau t - tau^2 g)) at t, with g = 1 - exp(-t/tau). */
 static double lumped_arm(const palp_arm *arm, double strain, double ramp_s, double t) {
     double k = arm->stiffness_N, tau = arm->viscosity_Ns / k;
     if (ramp_s == 0.0)

@@ -15,8 +15,7 @@ void element_decay(double x, double *decay, double *mean) {
 }
 
 double element_mean_slope(double x, double decay, double mean) {
-    return x < 1e-4 ? -0.5 + x / 3.0
-                    : (decay - mean) / x; /* the series, where the difference is rounding's */
+    return x < 1e-4 ? -0.5 + x / 3.0 : (decay - mean) / x; /* series, where the difference loses all digits */
 }
 
 void element_step_prepare(const palp_material *material, double dt, element_step *step) {
@@ -47,8 +46,8 @@ const element_step *element_steps_of(const palp_material *material, double dt, e
     return step;
 }
 
-/* Eq. 5.11: A = (K e + b1 (1 + K/K1) (e - e_old) / dt) / (1 + b1 / (K1 dt)), and dA/de. K and dK/de come
- * from the law's force K e and tangent K + e dK/de, but dK/de near e = 0 is the law's there. */
+/* Eq. 5.11: A = (K e + b1 (1 + K/K1) (e - e_old) / dt) / (1 + b1 / (K1 dt)), and dA/de. K and dK/de follow
+ * from the law's force K e and tangent K + e dK/de; near e = 0 dK/de comes from the law. */
 static void sedef_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
                         const element_history *old, double *force, double *tangent) {
     const palp_arm *arm = &material->arms[0];
@@ -77,7 +76,7 @@ element_drive element_arm_drive(const palp_material *material, size_t arm, doubl
     return (element_drive){e * (1.0 + 0.5 * beta * a), 1.0 + beta * a, e * e * (0.5 + beta * a / 6.0)};
 }
 
-/* q = decay q_old + gain (e - e_old): the common arm, no strain dependence. */
+/* q = decay q_old + gain (e - e_old): an arm without strain dependence. */
 PALP_CLONES
 static void linear_arm(double decay, double gain, size_t n, const double *restrict e,
                        const double *restrict e_old, const double *restrict q_old, double *restrict q,
@@ -89,14 +88,14 @@ static void linear_arm(double decay, double gain, size_t n, const double *restri
     }
 }
 
-/* The drive of an arm as the step began. */
+/* The drive of an arm at the start of the step. */
 static element_drive old_drive(const palp_material *material, size_t arm, const element_history *old,
                                size_t i) {
     return element_arm_drive(material, arm, old->strain[i], material->quasi_linear ? old->elastic[i] : 0.0,
                              0.0, 0.0);
 }
 
-/* The same with a drive s(e), and with tau (1 + gamma |e|) taken at the mean of both strains. */
+/* The same with a drive s(e), and with tau (1 + gamma |e|) at the mean of old and new strain. */
 static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t n,
                           const double *e, const element_history *old, element_history *new, double *force,
                           double *tangent) {
@@ -128,7 +127,7 @@ static void nonlinear_arm(const palp_material *material, const element_step *ste
     }
 }
 
-/* The springs as damage and rate_factor make them, in place of the law's. */
+/* Replaces the law's springs by those changed by damage and rate_factor. */
 static void change_springs(const palp_material *material, const element_step *step, size_t n, const double *e,
                            const element_history *old, element_history *new, double *force, double *tangent) {
     for (size_t i = 0; i < n; i++) {
@@ -194,7 +193,7 @@ bool element_energy(const palp_material *material, const element_step *step, siz
     return true;
 }
 
-/* Arms of constant time, driven by e (1 + beta |e| / 2): what the step has at hand is theirs. */
+/* Arms of constant time, driven by e (1 + beta |e| / 2); decay and gain are the step's. */
 static void constant_partials(const palp_arm *arm, double dt, double decay, double gain, size_t n,
                               const double *e, const double *e_old, const double *q_old, double *p) {
     const double x = dt * arm->stiffness_N / arm->viscosity_Ns, mean = gain / arm->stiffness_N,

@@ -4,26 +4,26 @@
 
 #include <palpate/material.h>
 
-/* What loading leaves behind in a spring that has been at peak, the largest |e| so far: it sees
- * (|e| - set peak) / (1 - set), 0 where that is negative, and its force is multiplied by
- * 1 - softening erf((W(peak) - W) / (sharpness W(peak))), W the law's energy there. slack: share of the
- * strain that it sees at least; a network without it would be a mechanism. */
+/* Damage of a spring whose largest |e| so far is peak. Its strain is (|e| - set peak) / (1 - set), or 0 where
+ * that is negative. Its force is multiplied by 1 - softening erf((W(peak) - W) / (sharpness W(peak))), W the
+ * law's energy at that strain. slack: least share of the strain, without which a network could become a
+ * mechanism. */
 typedef struct element_damage {
     double set, softening, sharpness, slack;
 } element_damage;
 
-/* Constants of a step of dt seconds; arms with strain-dependent times take theirs per element. */
+/* Constants of a step of dt seconds; arms with strain-dependent times compute theirs for each element. */
 typedef struct element_step {
     double dt;
     double decay[PALP_ARMS_MAX];  /* exp(-dt / tau_j) */
     double gain[PALP_ARMS_MAX];   /* K_j (1 - exp(-dt / tau_j)) tau_j / dt, N */
     double dashpot;               /* b / dt, N */
     double carry;                 /* PALP_SEDEF2008: share of the previous force vector, Eq. 5.11 */
-    double rate_factor;           /* factor of the spring's force; prepare gives 1 */
-    const element_damage *damage; /* prepare gives NULL: the spring does not damage */
+    double rate_factor;           /* factor of the spring's force; element_step_prepare sets 1 */
+    const element_damage *damage; /* element_step_prepare sets NULL: no damage */
 } element_step;
 
-/* Steps that were prepared, for one material: even samples have few different steps, but for rounding.
+/* Prepared steps of one material: evenly sampled data have few different steps, apart from rounding.
  * Zero-initialised = none. */
 enum { ELEMENT_STEPS = 8 };
 typedef struct element_steps {
@@ -31,28 +31,28 @@ typedef struct element_steps {
     element_step step[ELEMENT_STEPS];
 } element_steps;
 
-/* The one of dt, prepared now unless it is there. */
+/* The step of dt, prepared now if it is not there yet. */
 const element_step *element_steps_of(const palp_material *material, double dt, element_steps *steps);
 
-/* palp_element_advance by a prepared step, without its checks. */
+/* palp_element_advance with a prepared step, without checks. */
 void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from,
                      double strain, palp_element_state *to, double *tangent_N);
 
-/* What n elements remember, structure of arrays. */
+/* History of n elements, structure of arrays. */
 typedef struct element_history {
     double *strain;  /* [n] */
-    double *elastic; /* [n] K(|e|) e, where the material is quasi-linear; or NULL */
+    double *elastic; /* [n] K(|e|) e of a quasi-linear material, or NULL */
     double *arm;     /* arm j of n at arm + j stride */
-    double *peak;    /* [n] largest |e|, where the spring is damaged; or NULL */
+    double *peak;    /* [n] largest |e| of a damaged spring, or NULL */
     size_t stride;
 } element_history;
 
-/* exp(-x) and (1 - exp(-x)) / x, their limits at x = 0 and infinity included. */
+/* exp(-x) and (1 - exp(-x)) / x, with their limits at x = 0 and infinity. */
 void element_decay(double x, double *decay, double *mean);
 
 void element_step_prepare(const palp_material *material, double dt, element_step *step);
 
-/* Force and tangent (N) of n elements at the strains e, and the history a commit would keep.
+/* Force and tangent (N) of n elements at the strains e, and the history that a commit would keep.
  * PALP_SEDEF2008: force is A of Eq. 5.11; the caller adds carry times the previous force. */
 void element_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
                    const element_history *old, element_history *new, double *force, double *tangent);
@@ -69,8 +69,8 @@ typedef struct element_drive {
 element_drive element_arm_drive(const palp_material *material, size_t arm, double e, double elastic,
                                 double tangent, double energy);
 
-/* Partial derivatives of an arm's force q at the end of a step, PALP_HISTORY: by the strain, the strain and
- * force before it, the drive, log K with tau held, log tau with K held, beta and gamma. */
+/* Partial derivatives of an arm's force q at the end of a step, PALP_HISTORY. By the strain, its old value,
+ * the old force, the drive, log K at fixed tau, log tau at fixed K, beta and gamma. */
 typedef enum element_partial {
     ELEMENT_STRAIN,
     ELEMENT_STRAIN_OLD,
@@ -83,19 +83,19 @@ typedef enum element_partial {
     ELEMENT_PARTIALS
 } element_partial;
 
-/* Of n elements, partial[ELEMENT_PARTIALS n]. */
+/* For n elements, into partial[ELEMENT_PARTIALS n]. */
 void element_arm_partials(const palp_material *material, const element_step *step, size_t arm, size_t n,
                           const double *e, const double *e_old, const double *q_old, double *partial);
 
-/* d/dx of (1 - exp(-x)) / x, both functions of it given by element_decay. */
+/* d/dx of (1 - exp(-x)) / x, from both results of element_decay. */
 double element_mean_slope(double x, double decay, double mean);
 
-/* Force of a damaged spring and its derivatives; factor: what softening makes of it. */
+/* Force of a damaged spring and its derivatives; factor: the softening factor of the force. */
 typedef struct element_damaged {
-    double force, peak;        /* peak: with e in it */
-    double by_strain, by_peak; /* peak: the old one, 0 where e is the new one */
+    double force, peak;        /* peak: includes e */
+    double by_strain, by_peak; /* by_peak: by the old peak, 0 where e is the new one */
     double by_set, by_softening, by_sharpness;
-    double inner, factor, factor_by_energy, factor_by_peak_energy; /* inner: the strain that the law sees */
+    double inner, factor, factor_by_energy, factor_by_peak_energy; /* inner: the strain in the law */
 } element_damaged;
 void element_damage_force(const palp_law *law, const element_damage *damage, double e, double peak,
                           element_damaged *out);

@@ -1,10 +1,10 @@
-/* element_damage.c: a spring that its largest strain so far has softened and set (Ogden and Roxburgh 1999).
- */
+/* element_damage.c: softening and permanent set of a spring by its largest strain so far (Ogden and Roxburgh
+ * 1999). */
 #include "element.h"
 
 #include <math.h>
 
-/* Strain that the law of a spring sees below its peak, and its derivatives. */
+/* Strain in a spring's law below its peak, and its derivatives. */
 static void set_strain(const element_damage *damage, double e, double peak, element_damaged *out,
                        double *by_strain, double *by_peak) {
     double rest = 1.0 - damage->set, seen = (fabs(e) - damage->set * peak) / rest,

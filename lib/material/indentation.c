@@ -1,9 +1,10 @@
-/* indentation.c: contact of a rigid tip and an elastic layer. With p(r) the pressure, its Hankel transform
- * P(x) = int_0^a phi(t) cos(x t) dt, the dual integral equations become, for t of 0 to a,
- *   phi(t) - (2 / pi) int_0^a phi(s) int_0^inf M(x h) cos(x t) cos(x s) dx ds = 2 G / (pi (1 - nu)) (depth -
- * g(t)), where 1 - M is the layer's compliance over the half-space's and g(t) = t int_0^t f'(r) / sqrt(t^2 -
- * r^2) dr of the tip's profile f. Force = 2 pi int phi dt; where the profile is smooth at the edge of
- * contact, phi(a) = 0 there. */
+/* indentation.c: contact of a rigid tip and an elastic layer. The Hankel transform of the pressure p(r) is
+ * P(x) = int_0^a phi(t) cos(x t) dt. The dual integral equations become, for t from 0 to a,
+ *   phi(t) - (2 / pi) int_0^a phi(s) int_0^inf M(x h) cos(x t) cos(x s) dx ds
+ *     = 2 G / (pi (1 - nu)) (depth - g(t)).
+ * 1 - M is the layer's compliance over the half-space's. The tip's profile f gives
+ * g(t) = t int_0^t f'(r) / sqrt(t^2 - r^2) dr. Force = 2 pi int phi dt. Where the profile is smooth at the
+ * edge of contact, phi(a) = 0. */
 #include <palpate/indentation.h>
 
 #include "base/dense.h"
@@ -16,13 +17,13 @@
 #define PI 3.14159265358979323846
 
 enum {
-    NODES = 32,  /* of Gauss' rule over the contact */
-    PANELS = 32, /* of the wave numbers, PANEL_NODES each */
+    NODES = 32,  /* of Gauss' rule over the contact radius */
+    PANELS = 32, /* of wave numbers, with PANEL_NODES each */
     PANEL_NODES = 8,
     WAVES = PANELS * PANEL_NODES,
-    CURVE = 32 /* contact radii from which a curved tip's force is interpolated */
+    CURVE = 32 /* contact radii between which a curved tip's force is interpolated */
 };
-static const double WAVE_MAX = 20.0; /* times h: M is below 1e-13 beyond */
+static const double WAVE_MAX = 20.0; /* times h: M is below 1e-13 beyond it */
 
 static const char *const names[] = {"plate", "flat", "sphere", "cone"};
 
@@ -41,7 +42,7 @@ bool palp_tip_find(const char *name, palp_tip_kind *kind) {
 
 /* ---- the layer ---- */
 
-/* Gauss' rule for 0 to 1. */
+/* Gauss' rule on 0 to 1. */
 static void gauss(size_t n, double *x, double *w) {
     for (size_t i = 0; i < n; i++) {
         double z = cos(PI * ((double)i + 0.75) / ((double)n + 0.5)), slope = 1;
@@ -60,7 +61,7 @@ static void gauss(size_t n, double *x, double *w) {
     }
 }
 
-/* 1 less the compliance of the layer over that of the half-space, at a wave number times h. */
+/* M at a wave number times h: 1 - compliance of the layer over that of the half-space. */
 static double softness(double u, double poisson, bool slides) {
     double kappa = 3.0 - 4.0 * poisson, e2 = exp(-2.0 * u), e4 = e2 * e2;
     if (slides)
@@ -69,13 +70,13 @@ static double softness(double u, double poisson, bool slides) {
     return (2.0 * kappa * e4 + coupled + 4.0 * u * e2) / (kappa * (1.0 + e4) + coupled);
 }
 
-/* What does not change with the contact's radius. */
+/* What does not depend on the contact radius. */
 typedef struct layer {
     double x[NODES], w[NODES];          /* of the contact, 0 to 1 */
     double wave[WAVES], weight[WAVES];  /* wave numbers times h; Gauss' weight times M */
-    double cosine[(NODES + 1) * WAVES]; /* scratch: of the nodes and of the edge */
+    double cosine[(NODES + 1) * WAVES]; /* work array: of the nodes and of the edge */
     double kernel[(NODES + 1) * NODES], system[NODES * NODES], edge[NODES];
-    double solution[2 * NODES]; /* of a depth of 1 and of the profile */
+    double solution[2 * NODES]; /* for a depth of 1, and for the profile */
 } layer;
 
 static void layer_set(layer *l, const palp_indentation *in) {
@@ -88,16 +89,16 @@ static void layer_set(layer *l, const palp_indentation *in) {
     }
 }
 
-/* g(t) of the profile. */
+/* g(t) of the tip's profile. */
 static double profile(const palp_indentation *in, double t) {
     if (in->tip == PALP_TIP_SPHERE)
         return t * atanh(t / in->radius_m);
     return in->tip == PALP_TIP_CONE ? 0.5 * PI * t / tan(in->half_angle_rad) : 0.0;
 }
 
-/* The kernel between the nodes and the edge of a contact of a / h = ratio is a product of cosines, which
- * carry the root of their weight; that is not negative. The system is that of the unknowns times the roots of
- * their weights. */
+/* Cholesky factor of the system for a contact of a / h = ratio. The kernel is a product of cosines, each
+ * with the root of its weight, which is not negative. Unknowns are multiplied by the roots of their
+ * weights too. */
 static bool factor(layer *l, double ratio) {
     for (size_t i = 0; i <= NODES; i++)
         for (size_t q = 0; q < WAVES; q++)
@@ -113,8 +114,8 @@ static bool factor(layer *l, double ratio) {
     return dense_cholesky(NODES, l->system);
 }
 
-/* What a contact of radius a has: depth, force over G, and the change of force with depth, the stiffness of a
- * flat punch of this radius. */
+/* A contact of radius a: depth, force over G, and the slope of force over depth, which is that of a flat
+ * punch of this radius. */
 typedef struct contact {
     double depth_m, force_m2, slope_m;
 } contact;
@@ -144,7 +145,7 @@ static palp_status solve(layer *l, const palp_indentation *in, double a, contact
 
 /* ---- curved tips: force by depth ---- */
 
-/* The radius whose depth is depth_m or a little more. */
+/* A contact radius whose depth is depth_m or a little more. */
 static palp_status widest(layer *l, const palp_indentation *in, double depth_m, double *a) {
     contact c = {0, 0, 0};
     double limit = in->tip == PALP_TIP_SPHERE ? in->radius_m : HUGE_VAL;
@@ -157,7 +158,7 @@ static palp_status widest(layer *l, const palp_indentation *in, double depth_m, 
     return status;
 }
 
-/* The curve's point at or before a depth. */
+/* The last point of the curve at or before a depth. */
 static size_t find(const contact *c, double depth_m) {
     size_t low = 0, high = CURVE;
     while (high - low > 1) {
@@ -170,7 +171,7 @@ static size_t find(const contact *c, double depth_m) {
     return low;
 }
 
-/* Hermite's cubic between two points; below the first, the power of depth of the half-space. */
+/* Hermite's cubic between two points; below the first point the half-space's power of depth. */
 static double between(const contact *c, double depth_m, double power) {
     if (depth_m <= c[0].depth_m)
         return c[0].force_m2 * pow(depth_m / c[0].depth_m, power);

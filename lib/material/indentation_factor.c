@@ -1,5 +1,5 @@
-/* indentation_factor.c: what the contact of a wide layer at small strain lacks, by interpolation in tables of
- * CalculiX. */
+/* indentation_factor.c: factor of the force for large strain, finite width and adhesion of the layer, by
+ * interpolation in tables made with CalculiX. */
 #include "indentation_internal.h"
 #include "indentation_tables.h"
 
@@ -17,7 +17,7 @@ static double through(size_t n, const double *at, const double *value, double x)
     return sum;
 }
 
-/* Compliance is straight between Poisson's ratios; below the first as at the first. */
+/* Linear interpolation of compliance between Poisson's ratios; below the first one, its value. */
 static size_t interval_of(double poisson, double *part) {
     size_t i = 0;
     while (i + 2 < TABLE_NU && poisson >= table_nu[i + 1])
@@ -33,7 +33,7 @@ static double by_ratio(const double value[TABLE_RATIO], double ratio) {
     return through(TABLE_RATIO, at, value, log(ratio));
 }
 
-/* Of a depth as a part of the table's. */
+/* Factor of a flat punch at a depth, given as a share of the table's largest. */
 static double large(size_t nu, double ratio, double part) {
     double at[TABLE_DEPTH + 1] = {0}, value[TABLE_DEPTH + 1] = {1}, row[TABLE_RATIO];
     for (size_t i = 0; i < TABLE_RATIO; i++) {
@@ -46,7 +46,7 @@ static double large(size_t nu, double ratio, double part) {
     return by_ratio(row, ratio);
 }
 
-/* The deepest press of a tip that the fits hold. */
+/* The largest depth of a tip that the fits cover. */
 static double deepest_of(const palp_indentation *in) {
     if (in->tip == PALP_TIP_SPHERE)
         return SPHERE_DEPTH * in->radius_m * in->thickness_m /
@@ -55,8 +55,8 @@ static double deepest_of(const palp_indentation *in) {
                                     : fmin(0.2 * in->thickness_m, 0.25 * in->radius_m);
 }
 
-/* Of a sphere or cone the factor is so near to 1 that a few terms fit it (data/tips/make_tables.py has the
- * same). */
+/* For a sphere or cone the factor is so near to 1 that a few terms fit it; data/tips/make_tables.py has the
+ * same terms. */
 static double large_curved(const palp_indentation *in, double depth_m) {
     double p = fmax(depth_m, 0.0) / deepest_of(in), n = 10.0 * (fmax(in->poisson, table_nu[0]) - 0.4),
            sum = 1.0;
@@ -74,8 +74,8 @@ static double large_curved(const palp_indentation *in, double depth_m) {
     return sum;
 }
 
-/* By the punch's share of the specimen's radius, which is 0 for a wide layer; through the four points around
- * it. */
+/* Factor of a flat punch on a specimen of finite width, by the punch's share of its radius (0: wide layer).
+ * Interpolates the four nearest points. */
 static double wide(size_t nu, double ratio, double share) {
     double at[TABLE_AROUND + 1] = {0}, row[TABLE_RATIO];
     for (size_t k = 0; k < TABLE_AROUND; k++)
@@ -119,7 +119,7 @@ static bool is_wanted(const palp_indentation *in) {
     return in->tip_sticks || (in->tip != PALP_TIP_PLATE && (in->large_strain || in->specimen_radius_m > 0));
 }
 
-/* Whether the tip's size is in the tables. */
+/* Is the tip's size within the tables? */
 static bool is_inside(const palp_indentation *in) {
     double ratio = in->radius_m / in->thickness_m;
     if (in->tip == PALP_TIP_PLATE)

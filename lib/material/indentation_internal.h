@@ -1,10 +1,10 @@
-/* indentation_internal.h: what the contact of a wide layer at small strain lacks. Internal. */
+/* indentation_internal.h: factor of the force for what a wide layer at small strain leaves out. Internal. */
 #ifndef INDENTATION_INTERNAL_H
 #define INDENTATION_INTERNAL_H
 
 #include <palpate/indentation.h>
 
-/* Whether the tables hold what is asked for: ERR_UNSUPPORTED, ERR_LIMIT. */
+/* Do the tables cover this indentation? ERR_UNSUPPORTED, ERR_LIMIT. */
 palp_status indentation_factor_check(const palp_indentation *indentation, double deepest_m);
 
 /* Force over that of a wide layer at small strain. */

@@ -1,4 +1,5 @@
-/* indentation_tables.h: factors of the forces of CalculiX; data/tips/make_tables.py writes it. Internal. */
+/* indentation_tables.h: factors of forces computed by CalculiX; data/tips/make_tables.py writes it.
+ * Internal. */
 #ifndef INDENTATION_TABLES_H
 #define INDENTATION_TABLES_H
 
@@ -71,9 +72,9 @@ static const double table_glue[TABLE_NU][TABLE_SLENDER] = {
     {1.07844, 1.21450, 1.58028, 3.01140, 8.82253},
 };
 
-/* Sphere and cone, neo-Hookean: coefficients of the terms of large_curved(); the sizes and depths that they
- * hold for, over the thickness h: radius, half angle's tangent, and the deepest, 0.16 R h / (R + 0.1 h) and
- * 0.15 h. */
+/* Sphere and cone, neo-Hookean: coefficients of the terms of large_curved(), and the sizes and depths that
+ * they cover. In units of the thickness h: radius, tangent of the half angle, and the largest depths 0.16 R h
+ * / (R + 0.1 h) and 0.15 h. */
 enum { LARGE_TERMS = 9 };
 static const double large_sphere[LARGE_TERMS] = {0.00467, -0.02494, -0.01393, -0.00363, 0.01115,
                                                  0.03253, -0.02491, 0.01215,  -0.00113};

@@ -1,5 +1,4 @@
-/* law.c: stiffness laws: makers, the polynomial law, and the door to the other kinds, each by its own
- * formula. */
+/* law.c: stiffness laws: constructors, the polynomial law, and dispatch to the other kinds. */
 #include "base/clones.h"
 #include "law_internal.h"
 
@@ -148,8 +147,8 @@ palp_status palp_law_scale(const palp_law *law, double factor, palp_law *scaled)
     return status;
 }
 
-/* The polynomial loops are inlined with a constant m into polynomial_force, which unrolls the inner
- * loop and lets the compiler vectorise the outer one. */
+/* The polynomial loops are inlined with constant m into polynomial_force. This unrolls the inner loop and
+ * lets the compiler vectorise the outer one. */
 static inline void horner_force(size_t m, const double *restrict c, size_t n, const double *restrict e,
                                 double *restrict force) {
     for (size_t i = 0; i < n; i++) {

@@ -1,11 +1,11 @@
-/* law_evaluate.c: a law at any strain: its kind's formula, and beyond the strain it was measured to its
- * tangent there. */
+/* law_evaluate.c: a law at any strain: the formula of its kind, continued by its tangent beyond the largest
+ * measured strain. */
 #include "law_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The force at the end of the range, its slope, and the energy to there. */
+/* Force, slope and energy at the end of the measured range. */
 typedef struct range_end {
     double force, tangent, energy;
 } range_end;
@@ -29,7 +29,7 @@ static void go_on(const range_end *end, double e, double beyond, double *force, 
         *energy = end->energy + beyond * (end->force + 0.5 * end->tangent * beyond);
 }
 
-/* Changes what is beyond only. */
+/* Replaces only the values beyond the measured range. */
 static void force_beyond(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
                          double *energy_N) {
     size_t i = 0;
@@ -50,7 +50,7 @@ static void stiffness_beyond(const palp_law *law, double a, double *stiffness_N,
     *slope_N = (end.tangent - *stiffness_N) / a;
 }
 
-/* The force at the end is K(end) end, its slope K(end) + end K'(end). */
+/* At the end the force is K(end) end, its slope K(end) + end K'(end). */
 static void gradient_beyond(const palp_law *law, double a, double *dstiffness) {
     const double end = law->strain_max, beyond = a - end;
     double dslope[PALP_LAW_MAX];
@@ -94,7 +94,7 @@ void palp_law_gradient(const palp_law *law, double e, double *dforce) {
         dforce[k] *= e;
 }
 
-/* Adds the integral of palp_law_gradient between two strains, by Gauss and Legendre. */
+/* Adds the integral of palp_law_gradient between two strains, by Gauss-Legendre quadrature. */
 static void add_integral(const palp_law *law, double from, double to, double *out) {
     enum { POINTS = 8 };
     static const double at[POINTS / 2] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674,
@@ -147,7 +147,7 @@ double palp_law_beyond(const palp_law *law, double e) {
     return law && is_beyond(law, fabs(e)) ? fabs(e) - law->strain_max : 0.0;
 }
 
-/* A force that hardly rises is none to go on along: a hundredth of K at least. */
+/* To be continued by its tangent a force must rise: by a hundredth of K at least. */
 static bool rises(const palp_law *law, double a) {
     double force, tangent;
     law_kind_force(law, 1, &a, &force, &tangent, NULL);

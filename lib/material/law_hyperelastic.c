@@ -30,7 +30,7 @@ static invariants invariants_at(double a) {
     return v;
 }
 
-/* x^n; a negative n stands for the derivative of a constant. */
+/* x^n; 0 for negative n, which stands for the derivative of a constant. */
 static double power(double x, int n) {
     if (n < 0)
         return 0.0;
@@ -116,7 +116,7 @@ static double rate_slope(double a) {
     return sum;
 }
 
-/* dK/dalpha of the same term, from K = (s^(-alpha/2 - 1) - s^(alpha - 1)) / a, and its slope (may be NULL)
+/* dK/dalpha of the same term, from K = (s^(-alpha/2 - 1) - s^(alpha - 1)) / a. *slope, which may be NULL:
  * d2K/(da dalpha). */
 static double ogden_exponent_gradient(double alpha, double a, double *slope) {
     double l = log1p(-a), s = 1.0 - a;
@@ -133,7 +133,7 @@ static void accumulate(response *sum, double c, response term) {
     sum->slope += c * term.slope;
 }
 
-/* The whole law at 0 <= a, in N; infinite from a = 1 on. */
+/* The whole law at a >= 0, in N; infinite from a = 1 on. */
 static response respond(const palp_law *law, double a) {
     const double *c = law->coefficients;
     response sum = {0.0, 0.0, 0.0};

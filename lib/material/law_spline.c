@@ -4,13 +4,13 @@
 #include <math.h>
 #include <string.h>
 
-/* One interval: K(x + u) = c[0] + c[1] u + c[2] u^2 + c[3] u^3; energy = integral of K(a) a da from 0
- * to x. */
+/* One interval: K(x + u) = c[0] + c[1] u + c[2] u^2 + c[3] u^3; energy = integral of K(a) a da from 0 to
+ * x. */
 typedef struct piece {
     double x, c[4], energy;
 } piece;
 
-/* A slope and how it follows the secants left and right of its knot (0 where there is none). */
+/* A slope at a knot and its derivatives by the secants left and right of it, 0 where there is none. */
 typedef struct knot_slope {
     double slope, left, right;
 } knot_slope;
@@ -23,7 +23,7 @@ static double secant(const palp_law *law, size_t i) {
     return (law->coefficients[i + 1] - law->coefficients[i]) / spacing(law, i);
 }
 
-/* Weighted harmonic mean of the secants of the intervals i-1 and i; 0 at an extremum. */
+/* Weighted harmonic mean of the secants of intervals i-1 and i; 0 at an extremum. */
 static knot_slope inner_slope(const palp_law *law, size_t i) {
     double h0 = spacing(law, i - 1), h1 = spacing(law, i);
     double d0 = secant(law, i - 1), d1 = secant(law, i);
@@ -39,8 +39,8 @@ static knot_slope inner_slope(const palp_law *law, size_t i) {
     return s;
 }
 
-/* Three-point slope at an end: near and far are the secants of the intervals next to it. Kept in the
- * sign of near and below three times it, which keeps the end interval monotone. */
+/* Three-point slope at an end: near and far are the secants of the two intervals next to it. It has the sign
+ * of near and at most three times its size, which keeps the end interval monotone. */
 static knot_slope end_slope(double h_near, double h_far, double near, double far) {
     double w = h_near / (h_near + h_far);
     knot_slope s = {(1.0 + w) * near - w * far, 1.0 + w, -w}; /* left = d/dnear, right = d/dfar */
@@ -67,7 +67,7 @@ void law_spline_slopes(palp_law *law) {
         law->slope[i] = slope_at(law, i).slope;
 }
 
-/* Interval i, i < n - 1, or the straight continuation, i = n - 1. */
+/* Interval i for i < n - 1, or the straight continuation for i = n - 1. */
 static piece make_piece(const palp_law *law, size_t i) {
     piece p = {law->strain[i], {law->coefficients[i], law->slope[i], 0.0, 0.0}, 0.0};
     if (i + 1 < law->n) {
@@ -107,7 +107,7 @@ static size_t find_interval(const palp_law *law, double a) {
     return low;
 }
 
-/* Force, tangent and energy of a strain in a piece. */
+/* Force, tangent and energy at a strain in a piece. */
 static void force_in(const piece *p, double e, double *force_N, double *tangent_N, double *energy_N) {
     double a = fabs(e), u = a - p->x, k = piece_stiffness(p, u);
     *force_N = k * e;
@@ -117,7 +117,7 @@ static void force_in(const piece *p, double e, double *force_N, double *tangent_
         *energy_N = p->energy + piece_energy(p, u);
 }
 
-/* Interval i with the energy to its begin, if that is wanted. */
+/* Interval i, with the energy up to its start if wanted. */
 static piece whole_piece(const palp_law *law, size_t i, bool energy) {
     piece p = make_piece(law, i);
     for (size_t k = 0; k < i && energy; k++) {
@@ -127,7 +127,7 @@ static piece whole_piece(const palp_law *law, size_t i, bool energy) {
     return p;
 }
 
-/* The pieces of a few strains are made for each of them, else all before. */
+/* For a few strains each piece is made when needed, otherwise all before. */
 void law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
                       double *energy_N) {
     piece pieces[PALP_LAW_MAX];
@@ -188,7 +188,7 @@ void law_spline_gradient(const palp_law *law, double a, double *dstiffness, doub
             add_slope(law, i, 1.0, dslope);
         return;
     }
-    double h = spacing(law, i), t = u / h; /* Hermite's basis */
+    double h = spacing(law, i), t = u / h; /* Hermite basis */
     double h01 = t * t * (3.0 - 2.0 * t);
     dstiffness[i] = 1.0 - h01;
     dstiffness[i + 1] = h01;
@@ -203,8 +203,8 @@ void law_spline_gradient(const palp_law *law, double a, double *dstiffness, doub
     add_slope(law, i + 1, t * (3.0 * t - 2.0), dslope);
 }
 
-/* Adds what the energy from the begin of interval i to a strain within it has of the coefficients of its ends
- * and of their slopes; three points of Gauss and Legendre, exact for K(a) a. */
+/* Derivatives of the energy, from the start of interval i to a strain in it, by the values and slopes at its
+ * ends. Three Gauss-Legendre points, exact for K(a) a. */
 static void add_energy(const palp_law *law, size_t i, double to, double *by_stiffness, double *by_slope) {
     static const double at[3] = {0.11270166537925831, 0.5, 0.88729833462074169},
                         weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};

@@ -1,4 +1,4 @@
-/* material.c: the public view of one element: checks, one step, a lumped specimen's force curve. */
+/* material.c: the public interface to one element: checks, one step, a lumped specimen's force curve. */
 #include "element.h"
 #include "base/file.h"
 #include "law_internal.h"
@@ -65,7 +65,7 @@ void element_advance(const palp_material *material, const element_step *step, co
         *tangent_N = tangent;
 }
 
-/* Whether palp_element_advance can take the step. */
+/* Can palp_element_advance take this step? */
 static bool step_sound(const palp_material *material, double strain, double dt) {
     bool rate =
         material->dashpot_Ns > 0.0 || (material->formulation == PALP_SEDEF2008 && material->n_arms > 0);

@@ -33,7 +33,7 @@ void palp_mesh_free(palp_mesh *mesh) {
     free(mesh);
 }
 
-/* An array of m's; NULL if there is none or no memory. */
+/* A copy of an array, owned by m; NULL if from is NULL or memory is short. */
 static void *copy_of(palp_mesh *m, size_t n, size_t size, const void *from) {
     void *to = from ? arena_take(&m->memory, n, size) : NULL;
     return to ? memcpy(to, from, n * size) : NULL;
@@ -327,7 +327,7 @@ const int32_t *palp_mesh_pairs(const palp_mesh *mesh) {
     return mesh ? mesh->pairs : NULL;
 }
 
-/* R R' = 1 and not mirrored. */
+/* Is R R' = 1, without a reflection? */
 static bool is_rotation(const double r[9]) {
     double volume = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
                     r[2] * (r[3] * r[7] - r[4] * r[6]);

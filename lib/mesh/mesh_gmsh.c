@@ -1,4 +1,4 @@
-/* mesh_gmsh.c: a network mesh from what a Gmsh file holds. */
+/* mesh_gmsh.c: makes a network's mesh from a Gmsh file. */
 #define _POSIX_C_SOURCE 200809L /* locale_t */
 #include "mesh_gmsh.h"
 #include "mesh_internal.h"
@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Is there an element between nodes a < b of a cell? Tetrahedra: every pair. Hexahedra: along the
- * edges, bit b of edges[a]; with diagonals every pair too. */
+/* Is there an element between nodes a < b of a cell? In tetrahedra between every pair. In hexahedra along the
+ * edges, bit b of edges[a]; with diagonals between every pair too. */
 static bool joined(const gmsh_cell *cell, bool diagonals, int a, int b) {
     static const unsigned char edges[GMSH_CELL_NODES] = {
         1 << 1 | 1 << 3 | 1 << 4, 1 << 2 | 1 << 5, 1 << 3 | 1 << 6, 1 << 7,
@@ -17,7 +17,7 @@ static bool joined(const gmsh_cell *cell, bool diagonals, int a, int b) {
     return cell->n == 4 || diagonals || (edges[a] >> b & 1);
 }
 
-/* Numbers the nodes that cells use in the order of their tags; returns how many. */
+/* Numbers the nodes of cells in the order of their tags; returns their number. */
 static size_t number_nodes(gmsh_file *r) {
     gmsh_node *nodes = r->nodes.items;
     const gmsh_cell *cells = r->cells.items;
@@ -46,7 +46,7 @@ static void fill_positions(const gmsh_file *r, palp_mesh *mesh) {
             memcpy(mesh->x_m + 3 * (size_t)nodes[i].index, nodes[i].x_m, sizeof nodes[i].x_m);
 }
 
-/* The pairs of one cell, written at *pair, which moves behind them. */
+/* Writes the pairs of one cell at *pair and moves *pair behind them. */
 static palp_status fill_cell(const gmsh_file *r, const gmsh_cell *cell, bool diagonals, double size_m,
                              int32_t **pair) {
     const gmsh_node *nodes = r->nodes.items;
@@ -87,7 +87,7 @@ static int compare_nodes(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* By their nodes, then by line. */
+/* Orders cells by their nodes, then by line. */
 static int compare_cells(const void *left, const void *right) {
     const gmsh_cell *a = left, *b = right;
     for (int i = 0; i < GMSH_CELL_NODES; i++)
@@ -116,7 +116,7 @@ static palp_status refuse_repeats(const gmsh_file *r) {
     return status;
 }
 
-/* Its volume is rounding beside the cube of its longest edge from the first node. */
+/* Is the volume rounding, compared with the cube of the longest edge from the first node? */
 static bool is_flat(const double *x, const int32_t node[4]) {
     double longest = 0.0;
     for (int i = 1; i < 4; i++) {
@@ -175,8 +175,8 @@ static int compare_members(const void *left, const void *right) {
     return (a->node > b->node) - (a->node < b->node);
 }
 
-/* The members from *first on that are of one group; *first moves behind them. A group none of whose
- * nodes is in the mesh gives no set. */
+/* Adds the group of the members from *first on and moves *first behind them. A group without nodes in the
+ * mesh gives no set. */
 static palp_status add_group(const gmsh_file *r, palp_mesh *mesh, int32_t *set, size_t *first) {
     const gmsh_member *members = r->members.items;
     const gmsh_node *nodes = r->nodes.items;
@@ -200,7 +200,7 @@ static palp_status add_groups(const gmsh_file *r, palp_mesh *mesh) {
     return status;
 }
 
-/* The lowest or highest nodes in y, if no group of the file has that name. */
+/* Adds the lowest or highest nodes in y as a set, unless the file has a group of that name. */
 static palp_status add_end(const gmsh_file *r, palp_mesh *mesh, const char *name, bool top) {
     const gmsh_group *groups = r->groups.items;
     double low[3], high[3];

@@ -1,4 +1,4 @@
-/* mesh_gmsh.h: what is read of a Gmsh file, before it becomes a mesh. */
+/* mesh_gmsh.h: the contents of a Gmsh file, before they become a mesh. */
 #ifndef PALP_MESH_GMSH_H
 #define PALP_MESH_GMSH_H
 
@@ -45,14 +45,14 @@ typedef struct gmsh_file {
     const char *path;
     palp_error *error;
     double scale_m;
-    char *text, *next, *end;         /* the file, the next line, its end */
-    char *at;                        /* where reading stands in the present line */
+    char *text, *next, *end;         /* file contents, next line, end of it */
+    char *at;                        /* position in the present line */
     size_t line;                     /* its number */
     char section[GMSH_SECTION_TEXT]; /* name with its dollar sign */
     unsigned seen;                   /* bit i: section i of the table */
     size_t elements_line;
     gmsh_list groups, entities, nodes, cells, members; /* of the types above */
-    gmsh_list block_groups;                            /* size_t: the groups of the present block */
+    gmsh_list block_groups;                            /* size_t: groups of the present block */
 } gmsh_file;
 
 /* ERR_INPUT with "path:line: " and the formatted text. */
@@ -60,30 +60,30 @@ palp_status gmsh_fail(const gmsh_file *r, size_t line, const char *format, ...) 
 
 palp_status gmsh_no_memory(const gmsh_file *r);
 
-/* Room for one more item of this size, its address in *item. Counts in the file are not trusted:
- * memory grows with what is read. */
+/* Adds room for one item of this size, its address in *item. Counts in the file are not trusted: memory grows
+ * with what is read. */
 palp_status gmsh_append(const gmsh_file *r, gmsh_list *l, size_t size, void **item);
 
-/* The next line that is not blank, without the space around it: false at the end of the file, or
- * an error there. */
+/* Finds the next line that is not blank, without surrounding space. False at the end of the file and on an
+ * error there. */
 bool gmsh_next(gmsh_file *r);
 palp_status gmsh_line(gmsh_file *r);
 
-/* The next token of the line as a number; what says in an error what is expected, "a node tag". */
+/* Reads the next token of the line as a number; what names it in an error: "a node tag". */
 palp_status gmsh_integer(gmsh_file *r, const char *what, long long low, long long high, long long *value);
 palp_status gmsh_count(gmsh_file *r, const char *what, size_t *count); /* 0 to INT32_MAX */
 palp_status gmsh_number(gmsh_file *r, const char *what, double *value);
 palp_status gmsh_line_end(gmsh_file *r);
 void gmsh_skip(gmsh_file *r); /* to the next token */
 
-/* The error that something else than the token at r->at is expected. */
+/* Fails with the error that expected something else than the token at r->at. */
 palp_status gmsh_fail_token(const gmsh_file *r, const char *expected);
 
-/* Reads the file at r->path into the lists; the rest of *r is zero but for error and scale_m. Nodes
- * are in the order of their tags, each tag once; cells and members refer to nodes that exist. */
+/* Reads the file at r->path into the lists; all other fields but error and scale_m must be zero. Nodes are in
+ * the order of their tags, without repeats. Cells and members refer to nodes that exist. */
 palp_status gmsh_read(gmsh_file *r);
 
-/* Frees what gmsh_read made, after a failure too. */
+/* Frees what gmsh_read allocated, after a failure too. */
 void gmsh_release(gmsh_file *r);
 
 #endif

@@ -1,4 +1,4 @@
-/* mesh_gmsh_line.c: lines and tokens of a Gmsh file, and errors that say where. */
+/* mesh_gmsh_line.c: lines and tokens of a Gmsh file, and errors with line numbers. */
 #define _POSIX_C_SOURCE 200809L /* locale_t */
 #include "mesh_gmsh.h"
 #include "base/number.h"
@@ -49,7 +49,7 @@ bool gmsh_next(gmsh_file *r) {
             line++;
         while (stop > line && is_space(stop[-1]))
             stop--;
-        *stop = '\0'; /* at the end of the file a NUL stands already */
+        *stop = '\0'; /* at the end of the file there is a NUL already */
         r->at = line;
         if (line < stop)
             return true;

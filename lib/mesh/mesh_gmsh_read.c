@@ -57,7 +57,7 @@ static palp_status read_groups(gmsh_file *r) {
     return status;
 }
 
-/* One entity: its tag, its box (a point: its place), its physical groups; what bounds it is skipped. */
+/* One entity: its tag, its box (a point: its position) and its physical groups; its boundary is skipped. */
 static palp_status read_entity(gmsh_file *r, long long dim) {
     long long tag = 0, physical = 0;
     double box;
@@ -74,7 +74,7 @@ static palp_status read_entity(gmsh_file *r, long long dim) {
         status = gmsh_integer(r, "a physical tag", INT32_MIN, INT32_MAX, &physical);
         if (!status)
             status = gmsh_append(r, &r->entities, sizeof(gmsh_entity), &item);
-        if (!status) /* a negative tag means turned round */
+        if (!status) /* a negative tag means reversed orientation */
             *(gmsh_entity *)item = (gmsh_entity){dim, tag, physical < 0 ? -physical : physical};
     }
     return status;
@@ -168,7 +168,7 @@ static int compare_node_tags(const void *left, const void *right) {
     return (a->line > b->line) - (a->line < b->line);
 }
 
-/* Sorts the nodes by tag, so that a tag is found by bisection and numbers do not depend on blocks. */
+/* Sorts the nodes by tag: tags are found by bisection, and numbering does not depend on blocks. */
 static palp_status sort_nodes(gmsh_file *r) {
     gmsh_node *nodes = r->nodes.items;
     const gmsh_node *again = NULL;
@@ -192,9 +192,8 @@ static palp_status read_nodes(gmsh_file *r) {
 
 /* ---- elements ------------------------------------------------------------------------------------ */
 
-/* Nodes of an element of the types that are read, 0 = another. Of the volume that is tetrahedra and
- * hexahedra of the first order; of points, lines and faces, which only say what is in a group, all
- * the common ones. */
+/* Number of nodes of the element types that are read, 0 for others. Volumes are tetrahedra and hexahedra of
+ * first order. Points, lines and faces, which only define groups, have all common types. */
 static int type_nodes(long long type) {
     static const signed char nodes[] = {
         [1] = 2,   [2] = 3,   [3] = 4,  [4] = 4,  [5] = 8,   [8] = 3,   [9] = 6,
@@ -205,7 +204,7 @@ static int type_nodes(long long type) {
 
 enum { TYPE_NODES_MAX = 21 };
 
-/* The first of the groups with the same name: one node set, whatever the dimensions. */
+/* The first group of the same name: one node set for all dimensions. */
 static size_t group_of_name(const gmsh_file *r, const char *name) {
     const gmsh_group *groups = r->groups.items;
     size_t i = 0;
@@ -214,7 +213,7 @@ static size_t group_of_name(const gmsh_file *r, const char *name) {
     return i;
 }
 
-/* The named groups of an entity, into block_groups. */
+/* Lists the named groups of an entity in block_groups. */
 static palp_status find_groups(gmsh_file *r, const gmsh_entity *of) {
     const gmsh_group *groups = r->groups.items;
     const gmsh_entity *entities = r->entities.items;
@@ -262,7 +261,7 @@ static palp_status check_repeats(const gmsh_file *r, int n, const int32_t *place
     return PALP_OK;
 }
 
-/* Keeps an element: as a cell if it is one, and its nodes as members of the block's groups. */
+/* Keeps an element: a cell as such, and its nodes as members of the block's groups. */
 static palp_status keep_element(gmsh_file *r, bool is_cell, int n, const int32_t *place) {
     void *item = NULL;
     palp_status status = PALP_OK;
@@ -353,7 +352,7 @@ static bool section_ends(const gmsh_file *r) {
     return strncmp(r->at, "$End", 4) == 0 && strcmp(r->at + 4, r->section + 1) == 0;
 }
 
-/* The line that ends the section; lines of a section that is not known are passed over. */
+/* The line that ends a section; the lines of an unknown section are skipped. */
 static palp_status read_end(gmsh_file *r, bool known) {
     palp_status status = gmsh_line(r);
     while (!status && !section_ends(r) && !known)
@@ -391,7 +390,7 @@ static palp_status read_section(gmsh_file *r) {
     return status ? status : read_end(r, true);
 }
 
-/* A NUL would pass for the end of a line. */
+/* A NUL would be taken for the end of a line. */
 static void replace_nuls(char *text, size_t size) {
     for (char *nul = memchr(text, '\0', size); nul; nul = memchr(nul, '\0', size - (size_t)(nul - text)))
         *nul = '?';

@@ -1,4 +1,4 @@
-/* mesh_internal.h: what a mesh holds, and what its makers share. */
+/* mesh_internal.h: the data of a mesh, and functions shared by its constructors. */
 #ifndef PALP_MESH_INTERNAL_H
 #define PALP_MESH_INTERNAL_H
 
@@ -13,7 +13,7 @@ typedef struct node_set {
 } node_set;
 
 struct palp_mesh {
-    arena memory; /* of all arrays but pairs and sets, which may grow or shrink */
+    arena memory; /* of all arrays but pairs and sets, whose sizes may change */
     size_t n_nodes;
     size_t n_elements;
     double *x_m;    /* [3 n_nodes] */
@@ -28,7 +28,7 @@ struct palp_mesh {
     node_set *sets; /* [n_sets] */
 };
 
-/* A mesh with arrays of this size, their contents unset, and no sets. */
+/* A mesh with arrays of this size, not initialised, and no sets. */
 palp_status mesh_new(size_t n_nodes, size_t n_elements, palp_mesh **mesh);
 
 /* A copy with arrays of its own. */
@@ -41,40 +41,39 @@ void mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node);
 /* Makes the triangles from the tetrahedra. */
 palp_status mesh_add_surface(palp_mesh *mesh);
 
-/* neighbour[4 n_tetrahedra]: the tetrahedron across face f (opposite corner f) of each; -1 = surface. */
+/* neighbour[4 n_tetrahedra]: tetrahedron across face f, opposite corner f; -1 = surface. */
 palp_status mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour);
 
 /* Six times the volume of a tetrahedron of nodes at x. */
 double mesh_volume6(const double *x, const int32_t tetrahedron[4]);
 
-/* Volume of the tetrahedra, m^3; into node_m3[n_nodes], unless NULL, a quarter of each for its corners. */
+/* Volume of the tetrahedra, m^3; node_m3[n_nodes], unless NULL, gets a quarter of each for its corners. */
 double mesh_volume(const palp_mesh *mesh, double *node_m3);
 
-/* Nodes of face f of a tetrahedron, outward. */
+/* Nodes of face f of a tetrahedron, in outward orientation. */
 void mesh_face(const int32_t tetrahedron[4], size_t f, int32_t triangle[3]);
 
-/* Sorts n_pairs pairs by lower then higher node, lower first in each, and drops repeats; returns
- * how many are left. */
+/* Sorts n_pairs pairs by lower then higher node, lower first in each, and removes repeats; returns the number
+ * that remain. */
 size_t mesh_pairs_unique(size_t n_pairs, int32_t *pairs);
 
-/* Is the element between the nodes at a and b long enough in a mesh whose box has the diagonal
- * size_m? Shorter than 1e-12 of it, its direction is noise. False too where a number overflows. */
+/* Is the element from a to b long enough in a mesh whose box has the diagonal size_m? Below 1e-12 of it the
+ * direction is rounding. False too where a number overflows. */
 bool mesh_length_ok(const double a[3], const double b[3], double size_m);
 
 /* The diagonal of the box around n_nodes points x_m[3 n_nodes]. */
 double mesh_diagonal(size_t n_nodes, const double *x_m);
 
-/* The element between two nodes of a mesh whose elements are sorted or have an order, as those of lattices
- * and files; n_elements if there is none. */
+/* The element between two nodes, or n_elements. The mesh's elements must be sorted or have an order, as those
+ * of lattices and files. */
 size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b);
 
 /* Number of connected parts; root[n_nodes] is the lowest node of each node's part. Only elements with
- * alive[e] != 0 connect; NULL = all. */
+ * alive[e] != 0 connect nodes; NULL = all. */
 size_t mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const unsigned char *alive,
                   int32_t *root);
 
-/* Number of connected parts of a mesh, and the lowest node that no elements lead to from node 0; n_nodes if
- * there is none. ERR_NO_MEMORY. */
+/* Number of connected parts, and the lowest node not connected with node 0, or n_nodes. ERR_NO_MEMORY. */
 palp_status mesh_part_away(const palp_mesh *mesh, size_t *parts, size_t *away);
 
 /* Unit vector along the element between two nodes; returns its length. */

@@ -4,13 +4,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { HALF_MAX = 13 }; /* of the 26 neighbours, those that come later in the numbering */
+enum { HALF_MAX = 13 }; /* those of the 26 neighbours that have a higher number */
 
-/* The later neighbours of a node, in the order of their index; returns how many. */
+/* Offsets to the neighbours of higher number, ascending; returns how many. */
 static int half_neighbours(palp_neighbourhood neighbourhood, int offset[HALF_MAX][3]) {
     int steps = neighbourhood == PALP_NEIGHBOURS_6 ? 1 : neighbourhood == PALP_NEIGHBOURS_18 ? 2 : 3;
     int n = 0;
-    for (int code = 14; code < 27; code++) { /* base 3; 13 is the node itself */
+    for (int code = 14; code < 27; code++) { /* in base 3; 13 is the node itself */
         int d[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
         if (abs(d[0]) + abs(d[1]) + abs(d[2]) > steps)
             continue;
@@ -21,7 +21,7 @@ static int half_neighbours(palp_neighbourhood neighbourhood, int offset[HALF_MAX
     return n;
 }
 
-/* Nodes that have a neighbour at this offset. */
+/* Number of nodes that have a neighbour at this offset. */
 static size_t offset_count(const size_t nodes[3], const int offset[3]) {
     size_t count = 1;
     for (int axis = 0; axis < 3; axis++)
@@ -39,15 +39,14 @@ static bool inside(const size_t nodes[3], const size_t at[3], const int offset[3
 static void fill_node(palp_mesh *mesh, const size_t nodes[3], const double size_m[3], const size_t at[3],
                       size_t index) {
     for (int axis = 0; axis < 3; axis++) {
-        size_t last = nodes[axis] - 1; /* the far face is exactly at size */
+        size_t last = nodes[axis] - 1; /* puts the far face exactly at size */
         mesh->x_m[3 * index + (size_t)axis] =
             at[axis] == last ? size_m[axis] : size_m[axis] * (double)at[axis] / (double)last;
     }
 }
 
-/* Elements of one offset stand together for so many nodes: those of a row are parallel, and their ends follow
- * each other, so that loops over them need no indices; what is farther apart is not in the nearest cache any
- * more. */
+/* Elements of one offset stand together for so many nodes. Those of a row are parallel and their ends
+ * consecutive, so loops need no indices. Longer stretches would leave the nearest cache. */
 enum { STRETCH = 128 };
 
 static void fill(palp_mesh *mesh, const size_t nodes[3], const double size_m[3], int n_offsets,
@@ -66,7 +65,7 @@ static void fill(palp_mesh *mesh, const size_t nodes[3], const double size_m[3],
             }
 }
 
-/* The elements by lower node; those of one are by the higher already. */
+/* Sorts the elements by lower node; within a node they are sorted already. */
 static palp_status put_in_order(palp_mesh *mesh) {
     arena scratch = {NULL, false};
     size_t *next = arena_take(&scratch, mesh->n_nodes + 1, sizeof *next);
@@ -83,7 +82,7 @@ static palp_status put_in_order(palp_mesh *mesh) {
     return next && mesh->order ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-/* Six tetrahedra a box. */
+/* Adds six tetrahedra for each box. */
 static palp_status add_tetrahedra(palp_mesh *mesh, const size_t nodes[3]) {
     size_t boxes = (nodes[0] - 1) * (nodes[1] - 1) * (nodes[2] - 1), sx = nodes[1] * nodes[2], sy = nodes[2];
     mesh->tetrahedra = arena_take(&mesh->memory, boxes * 24, sizeof *mesh->tetrahedra);

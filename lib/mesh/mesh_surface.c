@@ -1,10 +1,10 @@
-/* mesh_surface.c: the tetrahedra that fill a mesh, and the triangles of its surface. */
+/* mesh_surface.c: tetrahedra of a mesh, and the triangles of its surface. */
 #include "mesh_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a tetrahedron of positive volume: face f is opposite corner f, outward. */
+/* Faces of a tetrahedron of positive volume: face f is opposite corner f, outward. */
 static const unsigned char face_corner[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 void mesh_face(const int32_t tetrahedron[4], size_t f, int32_t triangle[3]) {
@@ -23,7 +23,7 @@ double mesh_volume6(const double *x, const int32_t t[4]) {
            u[0][2] * (u[1][0] * u[2][1] - u[1][1] * u[2][0]);
 }
 
-/* Turns n tetrahedra round if their volume is negative. */
+/* Reverses those of n tetrahedra that have negative volume. */
 static void orient(const double *x, size_t n, int32_t *t) {
     double volume = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -35,8 +35,8 @@ static void orient(const double *x, size_t n, int32_t *t) {
     }
 }
 
-/* Six tetrahedra from the lowest node to the faces it is not on; each face is split at its own lowest node,
- * so that neighbours agree (Dompierre et al. 1999). In a lattice these are Kuhn's. */
+/* Six tetrahedra from the lowest node to the faces that it is not on. Each face is split at its own lowest
+ * node, so that neighbours agree (Dompierre et al. 1999). In a lattice these are Kuhn's. */
 static void split_hexahedron(const int32_t node[8], int32_t *t) {
     static const unsigned char faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
@@ -87,7 +87,7 @@ static void sorted_face(const int32_t *t, size_t f, int32_t node[3]) {
         }
 }
 
-/* Pairs the faces of one lowest node: face[n] are 4 tetrahedron + face; key[2 n] their other two nodes. */
+/* Pairs the faces of one lowest node. face[n]: 4 tetrahedron + face; key[2 n]: their other two nodes. */
 static void pair_faces(size_t n, const int32_t *face, const int32_t *key, int32_t *neighbour) {
     for (size_t i = 0; i < n; i++)
         for (size_t j = i + 1; j < n && neighbour[face[i]] < 0; j++)
@@ -105,7 +105,7 @@ palp_status mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour) {
     int32_t *face = malloc((n_faces + 1) * sizeof *face), *key = malloc((2 * n_faces + 1) * sizeof *key),
             node[3];
     bool ok = first && face && key;
-    for (size_t i = 0; i < n_faces && ok; i++) { /* counting sort by the lowest node */
+    for (size_t i = 0; i < n_faces && ok; i++) { /* counting sort by lowest node */
         sorted_face(mesh->tetrahedra + i / 4 * 4, i % 4, node);
         first[node[0] + 2]++;
         neighbour[i] = -1;

@@ -1,4 +1,4 @@
-/* model_covariance.c: how well a model's numbers are known, and of what its arms are the spectrum, in its
+/* model_covariance.c: covariance of a model's numbers, and the spectrum that its arms stand for, in its
  * JSON. */
 #include "base/json.h"
 #include "base/statistics.h"
@@ -22,7 +22,7 @@ bool palp_model_covariance_valid(size_t n, const double *c) {
     return true;
 }
 
-/* The member of root, if it has one. */
+/* Reads a square matrix, a member of root, if root has it. */
 static palp_status square_read(const palp_json *root, const char *key, const palp_material *material,
                                double **covariance) {
     palp_json rows, row;

@@ -1,4 +1,4 @@
-/* model_effects.c: the effects of a model: checked as a list, and read: "effects": [{"id": , "parameters":
+/* model_effects.c: effects of a model: checks of the list, and reading of "effects": [{"id": , "parameters":
  * {...}}]. */
 #include "base/file.h"
 #include "model_internal.h"

@@ -1,4 +1,4 @@
-/* model_internal.h: what the model's reader and writer share. */
+/* model_internal.h: functions shared by the model's reader and writer. */
 #ifndef PALP_MODEL_INTERNAL_H
 #define PALP_MODEL_INTERNAL_H
 
@@ -6,11 +6,10 @@
 
 #include "base/json.h"
 
-/* K must be positive up to here, and over the strains it was measured to, in a model that is read or written.
- */
+/* K of a model that is read or written must be positive up to this strain, and over the measured range. */
 #define PALP_MODEL_STRAIN 0.4
 
-/* The lowest K there, N. */
+/* The lowest K in that range, N. */
 double palp_model_lowest(const palp_law *law);
 
 /* "stiffness" of a model whose specimen is known. */
@@ -28,26 +27,26 @@ bool palp_model_kind_valid(const char *kind);
 /* The list "effects" of a model whose kind is known; absent = none. */
 palp_status palp_model_effects_read(const palp_json *root, palp_model *model);
 
-/* Whether a model's effects are all within their bounds, carried by its kind, and there once. */
+/* Are all effects within bounds, possible for the model's kind, and without repeats? */
 palp_status palp_model_effects_check(const palp_model *model, palp_error *error);
 
 /* Rows of a material's covariance: coefficients of the law, then K_j and b_j of each arm. */
 size_t palp_model_covariance_size(const palp_material *material);
 bool palp_model_covariance_valid(size_t n, const double *covariance);
 
-/* Stiffness, time and exponent of a fractional element; "fractional" of a model is one, or is not there. */
+/* Valid stiffness, time and exponent of a fractional element? "fractional" is one, or absent. */
 bool palp_model_fractional_valid(const double fractional[3]);
 palp_status palp_model_fractional_check(const palp_json *root);
 
-/* "covariance" of a model whose material is known, malloc'ed; NULL without it. */
+/* Reads "covariance" of a model whose material is known; allocated for the caller, NULL if absent. */
 palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material,
                                        double **covariance);
 
-/* "specimens" of it: how they differ, malloc'ed, and how many; NULL and 0 without. */
+/* Reads "specimens": their differences, allocated for the caller, and their number; NULL and 0 if absent. */
 palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between,
                                     size_t *n_specimens);
 
-/* What palp_model_read does with the value of a file. */
+/* palp_model_read for the parsed value of a file. */
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh);
 
 /* The folder part of path ("" if it has none) into folder; ERR_LIMIT if it does not fit. */

@@ -9,7 +9,7 @@
 
 #define COUNT(list) (sizeof(list) / sizeof(list)[0])
 
-/* value_mm in metres; true if it is written and positive. */
+/* Reads value_mm in metres; true if it is present and positive. */
 static palp_status length_read(const palp_json *at, double *value_m) {
     double value_mm = 0;
     palp_status status = palp_json_positive(at, &value_mm);
@@ -57,7 +57,7 @@ static palp_status specimen_kind_read(const palp_json *kind, palp_model *model) 
     return PALP_OK;
 }
 
-/* A network may leave the specimen out: its mesh says how high it is. */
+/* A network may omit the specimen: its mesh has the height. */
 static palp_status specimen_read(const palp_json *root, palp_model *model) {
     static const char *const keys[] = {"height_mm", "radius_mm", "kind"};
     palp_json specimen, value;
@@ -291,7 +291,7 @@ static palp_status network_read(const palp_json *root, palp_model *model, palp_m
 }
 
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
-    /* the last three are a network's only */
+    /* the last three only in a network */
     static const char *const keys[] = {"palpate", "kind",          "specimen",         "stiffness",
                                        "arms",    "dashpot_Ns",    "quasi_linear",     "formulation",
                                        "effects", "fractional",    "covariance",       "specimens",
@@ -346,7 +346,7 @@ palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_sourc
     return PALP_OK;
 }
 
-/* Either of the two, of the other NULL. */
+/* Reads one of the two; the pointer of the other is NULL. */
 static palp_status read_known(const char *path, double **covariance, double **between, size_t *n_specimens,
                               palp_error *error) {
     palp_json_file file;

@@ -100,7 +100,7 @@ static palp_status law_read(const palp_json *at, palp_model *model) {
     return hyperelastic_read(at, law_kind, model->radius_m, law);
 }
 
-/* The strain that the law was measured to, where the file says it. */
+/* Reads the largest strain at which the law was measured, if present. */
 static palp_status limit_read(const palp_json *stiffness, palp_law *law) {
     palp_json value;
     double strain_max = 0;

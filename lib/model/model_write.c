@@ -54,7 +54,7 @@ static bool shape_valid(const palp_model *model) {
     return mesh->path[0] && mesh->scale_m > 0 && isfinite(mesh->scale_m);
 }
 
-/* Nothing is written that could not be read again. */
+/* Refuses values that could not be read again. */
 static palp_status model_check(const palp_model *model, palp_error *error) {
     if (model->kind == PALP_MODEL_NETWORK && model->mesh && model->mesh->kind == PALP_MESH_FILE &&
         !palp_text_is_utf8(model->mesh->path))
@@ -80,7 +80,7 @@ static palp_status model_check(const palp_model *model, palp_error *error) {
 
 /* ---- text ---- */
 
-/* Where a model's text goes, and what stands between its parts. */
+/* Destination of a model's text, and separators of its parts. */
 typedef struct writer {
     FILE *stream;
     const char *open, *between, *item, *close;
@@ -95,7 +95,7 @@ static void number_print(const writer *w, const char *before, double value) {
     fprintf(w->stream, "%s%s", before, text);
 }
 
-/* The shortest number of millimetres that reads back as the same metres, if there is one. */
+/* Prints the shortest number of millimetres that reads back as the same metres, if there is one. */
 static void length_print(const writer *w, const char *before, double value_m) {
     char text[PALP_NUMBER_TEXT];
     double back = 0;
@@ -119,7 +119,7 @@ static bool quantity_format(double value, double unit, char text[PALP_NUMBER_TEX
     return false;
 }
 
-/* Where no number reads back as value, its neighbour that one does. */
+/* If no number reads back as value, prints one that reads back as its neighbour. */
 static void quantity_print(const writer *w, const char *before, double value, double unit) {
     char text[PALP_NUMBER_TEXT];
     if (!quantity_format(value, unit, text))
@@ -223,7 +223,7 @@ static void square_print(const writer *w, const char *key, size_t n, const doubl
     fputc(']', w->stream);
 }
 
-/* Of what the arms are the spectrum, how well the numbers are known, and how specimens differ. */
+/* Prints the spectrum that the arms stand for, the covariance, and the differences of specimens. */
 static void known_print(const writer *w, const palp_model *model) {
     size_t n = palp_model_covariance_size(&model->material);
     const double *f = model->fractional;
@@ -314,11 +314,11 @@ static palp_status model_print(const writer *w, const palp_model *model, const c
     return status;
 }
 
-/* ---- the mesh's path as seen from another folder ---- */
+/* ---- the mesh's path relative to another folder ---- */
 
-/* to (absolute) as seen from the folder from (absolute): "../meshes/a.msh". */
+/* Path of to relative to the folder from, both absolute: "../meshes/a.msh". */
 static palp_status relative_path(const char *from, const char *to, char path[PALP_PATH_MAX]) {
-    size_t same = 0; /* length of the folders that both share, with the '/' after them */
+    size_t same = 0; /* length of the common folders, with the '/' after them */
     for (size_t i = 0; to[i] && (from[i] == to[i] || (!from[i] && to[i] == '/')); i++) {
         if (to[i] == '/')
             same = i + 1;
@@ -339,7 +339,7 @@ static palp_status relative_path(const char *from, const char *to, char path[PAL
     return PALP_OK;
 }
 
-/* relative_path after resolving both folders; ERR_FILE if one is not there. */
+/* relative_path of resolved folders; ERR_FILE if one does not exist. */
 static palp_status path_move(const palp_mesh_source *mesh, const char *target, char path[PALP_PATH_MAX]) {
     char old_folder[PALP_PATH_MAX], new_folder[PALP_PATH_MAX], name[PALP_PATH_MAX], joined[PALP_PATH_MAX];
     if (palp_model_folder(target, new_folder) || palp_model_join(mesh->folder, mesh->path, name) ||
@@ -358,7 +358,7 @@ static palp_status path_move(const palp_mesh_source *mesh, const char *target, c
     return status;
 }
 
-/* The mesh's path to be written into a model at target. */
+/* The mesh's path for a model that is written at target. */
 static palp_status mesh_path(const palp_model *model, const char *target, char path[PALP_PATH_MAX]) {
     char folder[PALP_PATH_MAX];
     const palp_mesh_source *mesh = model->mesh;

@@ -1,4 +1,4 @@
-/* network.c: building a network, and what can be asked of it. */
+/* network.c: building a network, and its properties. */
 #include "network_internal.h"
 
 #include "base/file.h"
@@ -98,8 +98,8 @@ static palp_status number_unknowns(palp_network *net, size_t n, const palp_suppo
     return PALP_OK;
 }
 
-/* Each tetrahedron's mass to its corners, a quarter each. Hexahedra, whose tetrahedra favour some corners,
- * and meshes without cells, as large as their box: by the rest length of a node's elements. */
+/* A quarter of each tetrahedron's mass goes to each corner. Hexahedra, whose tetrahedra favour some corners,
+ * and meshes without cells (as large as their box) share mass by the rest length of a node's elements. */
 static void share_mass(palp_network *net) {
     double low[3], high[3], total = 0.0, volume = mesh_volume(net->mesh, net->mass);
     if (volume > 0.0 && net->mesh->n_hexahedra == 0) {
@@ -167,7 +167,7 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
         return palp_error_set(error, status, "the supernodal solver needs a build with GPL=1");
     if (status)
         return status;
-    /* a factor costs more than ten evaluations (some 20 ns an element) at 20 Gflop/s */
+    /* a factorization costs more than ten evaluations (some 20 ns an element) at 20 Gflop/s */
     net->reuse_factor = linsys_flops(net->ls) / 20e9 > 10.0 * 20e-9 * (double)net->n_elements;
     palp_network_reset(net);
     if (net->mass)
@@ -313,7 +313,8 @@ bool palp_network_buckled(const palp_network *net, double *stable_m, double *uns
 
 /* ---- of a model -------------------------------------------------------------------------------- */
 
-/* What a tester adds is no part of the tissue; what changes elements or plates cannot be left out. */
+/* Effects of the tester are not part of the tissue and are left out. Effects of elements or plates cannot
+ * be. */
 static palp_status check_effects(const palp_model *model, palp_error *error) {
     for (size_t i = 0; i < model->n_effects; i++) {
         const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);

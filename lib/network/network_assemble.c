@@ -1,4 +1,4 @@
-/* network_assemble.c: forces, tangent and their sums over the network. */
+/* network_assemble.c: forces and tangent, summed over the network. */
 #include "mesh/mesh_internal.h"
 #include "network_internal.h"
 
@@ -36,8 +36,8 @@ double network_residual(palp_network *net, double *scale) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
             net->rhs[net->dof[i]] = r[i] + net->outer[i];
-    /* positions are rounded: strains are known to a few 1e-16, forces to that times the tangent, and those of
-     * terms to that times their stiffness, which may be large */
+    /* Rounding of positions leaves an error of a few 1e-16 in strains, and in forces that times the tangent.
+     * In forces of terms it is that times their stiffness, which may be large. */
     *scale = net->settings.tolerance * sqrt(net->force_squares) + 2e-15 * sqrt(net->tangent_squares) +
              1e-15 * sqrt(squares);
     return sqrt(network_dot(net->rhs, net->rhs, net->n_free));
@@ -72,8 +72,8 @@ static void add_own(palp_network *net, int32_t node, const double k[9]) {
             value[*slot++] += k[3 * row + col];
 }
 
-/* Adds a term's block to the solver's values; that of nodes which no element joins is left out. An element's
- * slots are of its second node by its first. */
+/* Adds a term's block to the solver's values, unless no element joins its nodes. The slots of an element are
+ * for its second node by its first. */
 static void add_block(void *user, int32_t row, int32_t column, const double k[9]) {
     palp_network *net = user;
     if (row == column) {
@@ -91,7 +91,7 @@ static void add_block(void *user, int32_t row, int32_t column, const double k[9]
         value[slot[i]] += as_is ? k[i] : k[3 * (i % 3) + i / 3];
 }
 
-/* The elements' blocks between nodes into the values, those on nodes into node_block. */
+/* Adds the elements' blocks: those between nodes to the values, those on nodes to node_block. */
 static void assemble_elements(palp_network *net) {
     double *restrict value = linsys_values(net->ls), *restrict block = net->node_block;
     memset(value, 0, linsys_value_count(net->ls) * sizeof *value);
@@ -192,8 +192,8 @@ double network_drive_force(const palp_network *net) {
     return -network_dot(net->motion, net->fint, n) - network_dot(net->motion, net->outer, n);
 }
 
-/* u times the tangent of the terms times u; of their diagonal on the free axes, as the plate's own reaction
- * is that of elements and outer forces alone. */
+/* u' T u with the tangent T of the terms. Their constant diagonal counts on free axes only: the plate's
+ * reaction contains only elements and outer forces. */
 static double term_curvature(const palp_network *net, const double *u) {
     double sum = 0.0, *pull = net->unbalanced;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -214,7 +214,7 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
     net->exact = true;
     network_drive_column(net, net->start);
     linsys_solve(net->ls, net->start);
-    double *u = net->fint; /* displacement per depth; fint is not needed any more */
+    double *u = net->fint; /* displacement per depth; fint is no longer needed */
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         u[i] = net->dof[i] < 0 ? net->motion[i] : net->start[net->dof[i]];
     *stiffness = term_curvature(net, u);

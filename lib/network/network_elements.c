@@ -1,26 +1,26 @@
-/* network_elements.c: the loops over all elements: their forces, and their tangent times a vector. They go by
- * chunks that stay in the cache, each axis in an array of its own, so that all but fetching from and adding
- * to nodes is vectorized. */
+/* network_elements.c: loops over all elements: their forces, and their tangent times a vector. They go in
+ * chunks that stay in the cache, with an array for each axis. All but gathering from and adding to nodes is
+ * vectorized. */
 #include "base/clones.h"
 #include "network_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double COLLAPSED = -1.0 + 1e-9; /* strain of an element without length */
+static const double COLLAPSED = -1.0 + 1e-9; /* strain at which an element has no length */
 
 enum { CHUNK = NETWORK_CHUNK, LANES = 8, RUN = 4 };
 
-/* Of a chunk's elements; and where what is found of them goes. */
+/* Work arrays of a chunk's elements, and pointers to where its results go. */
 typedef struct chunk {
-    size_t at, n; /* elements at to at + n */
+    size_t at, n; /* elements at to at + n - 1 */
     double d[3][CHUNK + LANES],
-        square[CHUNK + LANES]; /* by axis: difference of their nodes, later force; its square */
+        square[CHUNK + LANES]; /* by axis: difference of the end nodes, later force; and its square */
     double *strain, *inverse_length, *force, *tangent;
     element_history next;
 } chunk;
 
-/* For what the network need not keep of a chunk. */
+/* Room for results of a chunk that the network need not keep. */
 typedef struct chunk_room {
     double inverse_length[CHUNK], tangent[CHUNK];
     double strain[CHUNK], force[CHUNK], elastic[CHUNK], peak[CHUNK], arm[PALP_ARMS_MAX][CHUNK];
@@ -28,7 +28,7 @@ typedef struct chunk_room {
 
 /* ---- nodes to elements and back ------------------------------------------------------------------- */
 
-/* Lists runs unless run is NULL; how many there are. */
+/* Lists the runs unless run is NULL; returns their number. */
 static size_t list_runs(const palp_network *net, network_run *run, size_t *first_run) {
     const int32_t *pair = net->pair;
     size_t n = 0;
@@ -49,7 +49,7 @@ static size_t list_runs(const palp_network *net, network_run *run, size_t *first
     return n;
 }
 
-/* A vector by axis: loads of whole lanes may go beyond its end. */
+/* Distance between the axes of a vector by axis: loads of whole lanes may go beyond its end. */
 static size_t straight_stride(const palp_network *net) {
     return net->n_nodes + LANES;
 }
@@ -67,7 +67,7 @@ palp_status network_make_runs(palp_network *net) {
     return PALP_OK;
 }
 
-/* Several of a vector at once; they are only kept in variables, as no function takes them alike with and
+/* Several numbers of a vector at once. Local variables only: passing them to functions differs with and
  * without AVX. */
 typedef double four __attribute__((vector_size(4 * sizeof(double))));
 typedef double two __attribute__((vector_size(2 * sizeof(double))));
@@ -85,8 +85,8 @@ typedef float four_floats __attribute__((vector_size(4 * sizeof(float))));
         i += (int32_t)(sizeof(lanes) / sizeof(double));                                                      \
     } while (0)
 
-/* d = what x, by axis, has at the second nodes less what it has at the first, and its square. What is written
- * behind a run is the next one's, or room. */
+/* d = x at the second node less x at the first, by axis, and its square. What is written behind a run is
+ * overwritten by the next run, or is spare room. */
 PALP_CLONES
 static void fetch_runs(size_t n, const network_run *run, const double *x, size_t stride, double *d0,
                        double *d1, double *d2, double *square) {
@@ -106,7 +106,7 @@ static void fetch_runs(size_t n, const network_run *run, const double *x, size_t
     }
 }
 
-/* Adds f to out, by axis, at the first nodes and takes it from the second. */
+/* Adds f, by axis, to out at the first nodes and subtracts it at the second nodes. */
 PALP_CLONES
 static void deliver_runs(size_t n, const network_run *run, const double *f0, const double *f1,
                          const double *f2, double *out, size_t stride) {
@@ -124,7 +124,7 @@ static void deliver_runs(size_t n, const network_run *run, const double *f0, con
     }
 }
 
-/* Makes x[3 n_nodes] ready to be fetched from, and the sum empty that is delivered to. */
+/* Copies x[3 n_nodes] by axis for fetching, and clears the sum. */
 static void begin_exchange(const palp_network *net, const double *x) {
     const size_t stride = straight_stride(net);
     double *to = net->straight;
@@ -136,7 +136,7 @@ static void begin_exchange(const palp_network *net, const double *x) {
     memset(to + 3 * stride, 0, 3 * stride * sizeof *to);
 }
 
-/* Adds what was delivered to out[3 n_nodes]. */
+/* Adds the sum to out[3 n_nodes]. */
 static void end_exchange(const palp_network *net, double *out) {
     const size_t stride = straight_stride(net);
     const double *sum = net->run ? net->straight + 3 * stride : NULL;
@@ -163,8 +163,8 @@ static void fetch(const palp_network *net, const double *x, chunk *c) {
     }
 }
 
-/* Adds to the first nodes, takes from the second ones. Elements come grouped by their first node mostly,
- * whose share is summed apart: adding to memory each time would wait for the last addition. */
+/* Adds to the first nodes, subtracts from the second ones. Elements mostly come grouped by first node, whose
+ * share is summed in a register: repeated addition to memory would wait for the one before. */
 static void deliver(const palp_network *net, const chunk *c, double *out) {
     const int32_t *pair = net->pair + 2 * c->at;
     if (net->run) {
@@ -212,7 +212,7 @@ static void measure(size_t n, const double *restrict square, const double *restr
     }
 }
 
-/* d becomes the force on the first node. */
+/* Turns d into the force on the first node. */
 PALP_CLONES
 static void point_forces(size_t n, const double *restrict force, const double *restrict inverse_length,
                          double *restrict d0, double *restrict d1, double *restrict d2) {
@@ -231,7 +231,7 @@ static void point_along(size_t n, const double *restrict d, const double *restri
         direction[i] = d[i] * inverse_length[i];
 }
 
-/* sum[LANES] += squares */
+/* sum[LANES] += squares. */
 PALP_CLONES
 static void add_squares(size_t n, const double *restrict x, double *restrict sum) {
     size_t i = 0;
@@ -248,7 +248,7 @@ static double lanes_sum(const double s[LANES]) {
 
 PALP_CLONES
 double network_dot(const double *a, const double *b, size_t n) {
-    double sum[LANES] = {0.0}; /* several at once: no addition waits for the last */
+    double sum[LANES] = {0.0}; /* several partial sums, which are added independently */
     size_t i = 0;
     for (; i + LANES <= n; i += LANES)
         for (size_t k = 0; k < LANES; k++)
@@ -270,7 +270,7 @@ double network_distance(const double *a, const double *b, size_t n) {
     return sqrt(lanes_sum(sum));
 }
 
-/* How many elements have collapsed. */
+/* Number of collapsed elements. */
 PALP_CLONES
 static size_t count_collapsed(size_t n, const double *strain) {
     size_t count = 0;
@@ -284,8 +284,7 @@ static element_history history_at(const element_history *h, size_t at) {
                              h->peak ? h->peak + at : NULL, h->stride};
 }
 
-/* A chunk that leaves what is found of it in the network; with room only strain, force and history, and those
- * only if they are kept. */
+/* A chunk whose results go to the network; with room, only strain, force and history do, if they are kept. */
 static chunk chunk_keeping(palp_network *net, size_t at, bool keep, chunk_room *room) {
     chunk c = chunk_at(net, at);
     c.inverse_length = room ? room->inverse_length : net->inverse_length + at;
@@ -307,7 +306,7 @@ static void find_directions(palp_network *net, const chunk *c) {
         point_along(c->n, c->d[k], c->inverse_length, net->direction + k * net->n_elements + c->at);
 }
 
-/* The part of PALP_SEDEF2008's force that is carried from the last step as a vector. */
+/* Adds the part of PALP_SEDEF2008's force that is a vector from the last step. */
 static void carry(palp_network *net, chunk *c) {
     const double *old = net->now.vector + 3 * c->at, share = net->step.carry;
     double *vector = net->next.vector + 3 * c->at;
@@ -329,7 +328,7 @@ static void force_chunk(palp_network *net, chunk *c) {
     deliver(net, c, net->fint);
 }
 
-/* Cut elements have strain 0 and no direction. */
+/* Gives cut elements strain 0 and no direction. */
 static void lay_out_dead(palp_network *net) {
     const size_t m = net->n_elements;
     for (size_t k = 0; k < net->n_dead; k++) {
@@ -340,7 +339,7 @@ static void lay_out_dead(palp_network *net) {
     }
 }
 
-/* along and across of the elements' blocks */
+/* along and across of the elements' blocks. */
 PALP_CLONES
 static void find_blocks(size_t n, const double *restrict force, const double *restrict inverse_length,
                         const double *restrict tangent, const double *restrict inverse_rest,
@@ -352,7 +351,7 @@ static void find_blocks(size_t n, const double *restrict force, const double *re
     }
 }
 
-/* Numbers of the elements of runs to where they belong, to[n]. */
+/* Copies numbers of the elements of runs to their places in to[n]. */
 PALP_CLONES
 static void pack_runs(size_t n, const network_run *run, const uint32_t *to, const float *from,
                       float *element) {
@@ -383,7 +382,7 @@ static void pack_chunk(const palp_network *net, const chunk *c, const network_bl
     }
 }
 
-/* Of all elements, where some are cut: a cut one has strain 0 and no direction. */
+/* Geometry of all elements where some are cut: these have strain 0 and no direction. */
 static void measure_cut(palp_network *net) {
     for (size_t at = 0; at < net->n_elements; at += CHUNK) {
         chunk c = chunk_keeping(net, at, true, NULL);
@@ -426,7 +425,7 @@ bool network_element_forces(palp_network *net, const network_blocks *blocks) {
 
 /* ---- tangent ------------------------------------------------------------------------------------- */
 
-/* d = minus the elements' blocks times d */
+/* d = minus the elements' blocks times d. */
 PALP_CLONES
 static void blocks_times(size_t n, const double *restrict force, const double *restrict inverse_length,
                          const double *restrict tangent, const double *restrict inverse_rest,

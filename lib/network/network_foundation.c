@@ -1,4 +1,4 @@
-/* network_foundation.c: springs from nodes to their places at rest. */
+/* network_foundation.c: springs from nodes to their positions at rest. */
 #include "network_internal.h"
 
 #include <stdlib.h>

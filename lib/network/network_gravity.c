@@ -1,4 +1,4 @@
-/* network_gravity.c: the weight of a network's mass. */
+/* network_gravity.c: the weight of the nodes. */
 #include "network_internal.h"
 
 #include <string.h>

@@ -5,11 +5,11 @@
 
 typedef struct inertia {
     network_term term;
-    double factor; /* of mass times place in the force, 1/s^2; 0 in a relaxed step */
-    double *known; /* [3 n_nodes] the rest of that force, N */
+    double factor; /* coefficient of mass times position in the force, 1/s^2; 0 in a static step */
+    double *known; /* [3 n_nodes] the known part of that force, N */
 } inertia;
 
-/* Chung and Hulbert 1993; backward Euler has its own two lines. */
+/* Coefficients of Chung and Hulbert 1993; backward Euler has its own two lines. */
 typedef struct alpha {
     double m, f, beta, gamma;
 } alpha;
@@ -21,7 +21,7 @@ static alpha alpha_of(double rho) {
     return a;
 }
 
-/* Residual: mass (factor x) - known. */
+/* Prepares the step: the residual is mass times factor x, less known. */
 static void inertia_begin(network_term *term, palp_network *net) {
     inertia *t = (inertia *)term;
     const double dt = net->step.dt;

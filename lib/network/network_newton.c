@@ -1,17 +1,19 @@
-/* network_newton.c: damped Newton for one equilibrium, on either branch. */
+/* network_newton.c: damped Newton iteration for one equilibrium, on either branch. */
 #include "network_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double SLOW = 0.3; /* a kept factor that contracts less is rebuilt */
-static const double NEAR = 1e3; /* times the tolerance: so close, the last step's factor will do */
+static const double SLOW =
+    0.3; /* a kept factor is rebuilt if a step reduces the residual less than to this share */
+static const double NEAR =
+    1e3; /* within this multiple of the tolerance the last step's factor is good enough */
 static const double AT_FOLD =
-    10.0; /* times the tolerance: taken where Newton's own direction finds nothing better */
-static const double SHORTEST = 1e-7; /* energy line search: smallest step */
-static const double STUCK = 0.02;    /* residual line search: a shorter step is a standstill, not progress */
-enum { STANDSTILL = 6 };             /* full iterations in a row that bring next to nothing */
-static const double FIRST_SHIFT = 1e-4; /* of the largest diagonal, to make a tangent definite */
+    10.0; /* multiple of the tolerance accepted where Newton's direction brings no improvement */
+static const double SHORTEST = 1e-7;    /* energy line search: smallest step */
+static const double STUCK = 0.02;       /* residual line search: a shorter step counts as no progress */
+enum { STANDSTILL = 6 };                /* consecutive full iterations without notable progress */
+static const double FIRST_SHIFT = 1e-4; /* relative to the largest diagonal, to make a tangent definite */
 
 static void gather(const palp_network *net, double *x) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -19,7 +21,7 @@ static void gather(const palp_network *net, double *x) {
             x[net->dof[i]] = net->next.x[i];
 }
 
-/* next.x = start + alpha dx, evaluated. */
+/* next.x = start + alpha dx, then evaluates. */
 static bool move(palp_network *net, double alpha) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
@@ -34,7 +36,7 @@ static double dot(const double *a, const double *b, size_t n) {
     return sum;
 }
 
-/* dx = K^-1 rhs with the present factor, from where next is. */
+/* dx = K^-1 rhs with the present factor; start = next's unknowns. */
 static void solve_direction(palp_network *net, palp_step_info *info) {
     memcpy(net->dx, net->rhs, net->n_free * sizeof *net->dx);
     linsys_solve(net->ls, net->dx);
@@ -42,7 +44,7 @@ static void solve_direction(palp_network *net, palp_step_info *info) {
     info->iterations++;
 }
 
-/* Halves the step until the residual falls; with one_step only the full step is tried. */
+/* Halves the step until the residual falls; with one_step tries only the full step. */
 static bool reduce_residual(palp_network *net, bool one_step, double *residual, double *scale) {
     double before = *residual;
     for (double alpha = 1.0; alpha >= STUCK; alpha *= 0.5) {
@@ -57,8 +59,8 @@ static bool reduce_residual(palp_network *net, bool one_step, double *residual, 
     return false;
 }
 
-/* Newton on the residual, whatever the sign of the tangent. Where factors are dear one is kept as long
- * as it contracts. */
+/* Newton iteration on the residual, for any sign of the tangent. Expensive factors are kept as long as they
+ * contract. */
 static palp_status follow_branch(palp_network *net, palp_step_info *info) {
     double scale, residual = network_residual(net, &scale);
     bool keep = net->factored && (net->reuse_factor || residual <= NEAR * scale);
@@ -91,7 +93,8 @@ static palp_status follow_branch(palp_network *net, palp_step_info *info) {
     return PALP_OK;
 }
 
-/* Factors the tangent, shifted if need be until it is positive definite. *shift = 0: it was. */
+/* Factors the tangent, with a shift if that is needed to make it positive definite. *shift = 0: not
+ * needed. */
 static palp_status factor_definite(palp_network *net, double *shift) {
     int negative = 0;
     palp_status status = network_factor(net, 0.0, &negative);
@@ -109,7 +112,7 @@ static palp_status factor_definite(palp_network *net, double *shift) {
     return PALP_ERR_SINGULAR;
 }
 
-/* Armijo along dx on the energy; without one, on the slope along dx. */
+/* Armijo line search along dx on the energy, or on the slope along dx if there is no energy. */
 static bool descend(palp_network *net, double *residual, double *scale) {
     double energy, start, slope = -dot(net->rhs, net->dx, net->n_free), before = *residual;
     bool known = network_energy(net, &start);
@@ -131,7 +134,7 @@ static bool descend(palp_network *net, double *residual, double *scale) {
 }
 
 /* At an unstable equilibrium: a step along the softest direction of the shifted factor that lowers the
- * energy. The direction starts from fixed numbers, so the same network always falls the same way. */
+ * energy. The direction is found from fixed numbers, so that the result is reproducible. */
 static bool leave_saddle(palp_network *net) {
     enum { ROUNDS = 40 };
     double *v = net->dx, start, energy, largest = 0.0;

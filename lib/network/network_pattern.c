@@ -1,16 +1,16 @@
-/* network_pattern.c: the pattern of the tangent, and where each block goes in the solver's values. */
+/* network_pattern.c: pattern of the tangent, and the place of each block in the solver's values. */
 #include "network_internal.h"
 
 #include "mesh/mesh_internal.h"
 
 #include <stdlib.h>
 
-/* Pair i of nodes that have a block: those of the elements, and behind them the others. */
+/* Pair i of nodes with a block: first those of elements, then the others. */
 static const int32_t *joined(const palp_network *net, size_t i) {
     return i < net->n_elements ? net->pair + 2 * i : net->other_pair + 2 * (i - net->n_elements);
 }
 
-/* Neighbours of each node with a higher or the same number, ascending: [first[a], first[a + 1]). */
+/* Neighbours of each node with a higher or equal number, ascending: [first[a], first[a + 1]). */
 static palp_status neighbours(const palp_network *net, size_t **first, int32_t **list) {
     size_t n = net->n_nodes, n_pairs = net->n_elements + net->n_other_pairs,
            *count = calloc(n + 2, sizeof *count);
@@ -34,7 +34,7 @@ static palp_status neighbours(const palp_network *net, size_t **first, int32_t *
         int32_t a = joined(net, i)[0], b = joined(net, i)[1];
         out[count[(a < b ? a : b) + 1]++] = a < b ? b : a;
     }
-    for (size_t i = 0; i < n; i++) /* insertion sort: a node has few neighbours */
+    for (size_t i = 0; i < n; i++) /* insertion sort, as a node has few neighbours */
         for (size_t j = count[i] + 1; j < count[i + 1]; j++) {
             int32_t v = out[j];
             size_t k = j;
@@ -47,7 +47,7 @@ static palp_status neighbours(const palp_network *net, size_t **first, int32_t *
     return PALP_OK;
 }
 
-/* Lower triangle of the tangent by columns. With row NULL only counts. */
+/* Lower triangle of the tangent by columns; only counts if row is NULL. */
 static size_t fill_pattern(const palp_network *net, const size_t *first, const int32_t *list, size_t *column,
                            int32_t *row) {
     size_t nz = 0;
@@ -93,7 +93,7 @@ static palp_status make_linsys(palp_network *net) {
 static uint32_t slot_of(const palp_network *net, size_t i, size_t j) {
     int32_t a = net->dof[i], b = net->dof[j];
     if (a < 0 || b < 0)
-        return (uint32_t)linsys_value_count(net->ls); /* the bin */
+        return (uint32_t)linsys_value_count(net->ls); /* the slot that is ignored */
     return (uint32_t)(a > b ? linsys_slot(net->ls, (size_t)a, (size_t)b)
                             : linsys_slot(net->ls, (size_t)b, (size_t)a));
 }
@@ -137,7 +137,7 @@ palp_status network_add_pairs(palp_network *net, size_t n, const int32_t *low, c
     linsys *old = net->ls;
     net->ls = NULL;
     palp_status status = network_make_pattern(net);
-    if (status) { /* slots are found last: they are still the old ones */
+    if (status) { /* slots are set last, so they are still the old ones */
         linsys_free(net->ls);
         net->ls = old;
         net->n_other_pairs = 0;

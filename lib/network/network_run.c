@@ -23,8 +23,8 @@ static palp_status observe(const run *r, double time) {
     return PALP_OK;
 }
 
-/* One trial step to the path's value at time t; creep paths commit at once, since their depth is found
- * by several tries. */
+/* One trial step to the path's value at time t. Creep commits at once, since it finds its depth by several
+ * tries. */
 static palp_status advance(run *r, double t, double dt, bool commit) {
     palp_step_info step = {0};
     double target = palp_path_at(r->path, t), length = r->settings->relaxed ? INFINITY : dt;
@@ -51,12 +51,12 @@ static palp_status fixed_segment(run *r, double from, double to) {
     return status;
 }
 
-/* The measure that a step's error is told by: the force, or in creep the depth. */
+/* The quantity whose error is estimated: the force, or in creep the depth. */
 static double measure(const run *r, const network_state *s) {
     return r->path->depth_m ? s->force : s->depth;
 }
 
-/* Of the error of a run in dt. */
+/* Order of the error of a run in dt. */
 static double order_of(const palp_network *net) {
     bool arms = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
     bool first = arms || net->material.dashpot_Ns > 0.0 ||
@@ -64,8 +64,8 @@ static double order_of(const palp_network *net) {
     return first ? 1.0 : 2.0;
 }
 
-/* Step doubling: a whole step and two halves; a method of order p errs by 1 / (2^p - 1) of the difference,
- * and the halves are kept. */
+/* Step doubling: one whole step and two halves, which are kept. For order p the error is 1 / (2^p - 1) of the
+ * difference. */
 static palp_status doubled_step(run *r, double t, double h, double *error) {
     palp_network *net = r->net;
     palp_status status = advance(r, t + h, h, false);
@@ -85,15 +85,14 @@ static bool may_shrink(palp_status status) {
     return status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
 }
 
-/* A step that first meets a loss of stability is cut until its depth is known to check_strain. */
+/* A step that first meets a loss of stability is shortened until its depth is known to check_strain. */
 static bool locates_buckling(const palp_network *net, bool before) {
     return net->buckled && !before &&
            fabs(net->unstable_depth - net->checked_depth) > net->settings.check_strain * net->height;
 }
 
-/* However exact a longer step would be, the record shall show the curve: 50 samples of a moving plate, some
- * 25 a decade of a dwell. A path of many segments, as a recording is, shows the most of it by its own
- * corners. */
+/* Longest steps, so that the record shows the curve: 50 samples of a moving plate, some 25 a decade of a
+ * dwell. The corners of a path of many segments, such as a recording, show most of it. */
 enum { SEGMENT_SAMPLES = 50, PATH_SAMPLES = 2000 };
 
 static double samples_of_segment(const palp_path *path) {
@@ -109,7 +108,7 @@ static double longest_step(const run *r, double from, double to, double t) {
 }
 
 static palp_status adaptive_segment(run *r, double from, double to, double *step) {
-    const double power = -1.0 / (1.0 + order_of(r->net)); /* a step of order p errs by h^(p + 1) */
+    const double power = -1.0 / (1.0 + order_of(r->net)); /* a step of order p has an error of h^(p + 1) */
     const double smallest = fmax(1e-9 * (to - from), 1e-3 * r->settings->dt_min_s);
     double t = from;
     while (t < to) {

@@ -1,4 +1,4 @@
-/* network_state.c: the states of a network: made, set back to rest, put aside, saved to a buffer and
+/* network_state.c: states of a network: allocated, reset to rest, set aside, saved to a buffer and
  * restored. */
 #include "network_internal.h"
 
@@ -39,7 +39,7 @@ void network_pass(network_cursor *c, void *data, size_t bytes) {
     c->bytes += bytes;
 }
 
-/* The committed state, that of the terms included. */
+/* The committed state, with that of the terms. */
 static void pass_now(palp_network *net, network_cursor *c) {
     network_state *s = &net->now;
     const size_t n3 = 3 * net->n_nodes * sizeof(double), m = net->n_elements * sizeof(double);
@@ -77,7 +77,7 @@ static void pass_now(palp_network *net, network_cursor *c) {
         NETWORK_EACH_TERM(net, grasp_changed, net);
 }
 
-/* What the predictor knows of the states before, and of the branch. */
+/* What the predictor keeps of earlier states and of the branch. */
 static void pass_past(palp_network *net, network_cursor *c) {
     for (size_t i = 0; i < NETWORK_PAST; i++)
         network_pass(c, net->past[i], 3 * net->n_nodes * sizeof *net->past[i]);
@@ -111,7 +111,7 @@ palp_status network_allocate_states(palp_network *net) {
     allocate(net, &memory, &fresh[1]);
     if (fresh[0].vector)
         own_force = arena_take(&memory, net->n_elements, sizeof *own_force);
-    for (size_t i = 0; i < NETWORK_PAST; i++) /* a step changes them for a state's x */
+    for (size_t i = 0; i < NETWORK_PAST; i++) /* a step swaps them with a state's x */
         past[i] = arena_take(&memory, 3 * net->n_nodes, sizeof *past[i]);
     net->now = fresh[0];
     net->next = fresh[1];
@@ -215,8 +215,7 @@ void network_mark_restore(palp_network *net) {
 
 /* ---- a buffer of the caller's -------------------------------------------------------------------- */
 
-/* Stands before the state. All but the sum of the state's bytes must be the same in what saves and in what
- * restores. */
+/* Precedes the state; sum is a checksum of the state. Saver and restorer must agree in all other fields. */
 typedef struct header {
     uint64_t magic, size, like, sum;
 } header;
@@ -234,7 +233,7 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes) {
     return sum;
 }
 
-/* Tells networks of another mesh, other supports, another material, density or integrator apart. */
+/* Distinguishes networks of another mesh, other supports, another material, density or integrator. */
 static uint64_t fingerprint(const palp_network *net) {
     const palp_material *m = &net->material;
     const size_t n3 = 3 * net->n_nodes;

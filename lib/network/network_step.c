@@ -11,7 +11,7 @@ void network_place(palp_network *net, double depth) {
             net->next.x[i] = net->rest[i] + depth * net->motion[i];
 }
 
-/* Along s: depth, or time in a dwell. */
+/* Extrapolates along s: depth, or time in a dwell. */
 bool network_extrapolate(palp_network *net, double depth, double time, bool curved) {
     if (net->n_past == 0)
         return false;
@@ -26,7 +26,8 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
     if (curved && net->n_past > 1 && !(dwell && net->past_depth[1] != depth)) {
         double s2 = dwell ? net->past_time[1] : net->past_depth[1];
         if ((s1 - s2) * step >
-            0.01 * last * step) { /* of a step much shorter, as a trembling plate's, it says nothing */
+            0.01 * last *
+                step) { /* a much shorter step, as of a trembling plate, does not show the direction */
             c0 = (s - s1) * (s - s2) / ((s0 - s1) * (s0 - s2));
             c1 = (s - s0) * (s - s2) / ((s1 - s0) * (s1 - s2));
             c2 = (s - s0) * (s - s1) / ((s2 - s0) * (s2 - s1));
@@ -42,8 +43,8 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
     return true;
 }
 
-/* The linear answer of the last state to the plate's motion. A state whose tangent is singular, as that of
- * a mechanism at rest, has none: ERR_SINGULAR. */
+/* Linear response of the last state to the plate's motion. ERR_SINGULAR: the tangent is singular, as that of
+ * a mechanism at rest. */
 static palp_status predict_linear(palp_network *net, double depth) {
     int negative;
     double scale, move = depth - net->now.depth;
@@ -89,7 +90,7 @@ double network_longest_way(const palp_network *net) {
     return longest;
 }
 
-/* Newton; where terms had to take their points anew, again from there. */
+/* Newton iteration; repeated from there if terms had to find new contact points. */
 static palp_status equilibrium(palp_network *net, palp_step_info *info) {
     enum { ROUNDS = 5 };
     palp_status status = network_newton(net, info);
@@ -98,9 +99,9 @@ static palp_status equilibrium(palp_network *net, palp_step_info *info) {
     return status;
 }
 
-/* Goes to the depth and to where terms go in parts, none longer than terms can be followed at once, each
- * started from the secant through the last two: history and time stay those of the whole step, so this only
- * finds a better place to start Newton from. */
+/* Moves plate and terms in parts, none longer than terms can be followed at once. Each part starts from the
+ * secant through the last two. History and time are those of the whole step: this only finds a better start
+ * for Newton's iteration. */
 static palp_status approach(palp_network *net, double depth, double way, palp_step_info *info) {
     size_t size = 3 * net->n_nodes * sizeof(double);
     double reached = 0.0, before = 0.0, part = fmin(0.25, 1.0 / way);
@@ -128,7 +129,7 @@ static palp_status approach(palp_network *net, double depth, double way, palp_st
     return status;
 }
 
-/* From the last state; at once where terms go no further than that allows. */
+/* From the last state, in parts if terms move farther than they can be followed at once. */
 static palp_status from_last(palp_network *net, double depth, palp_step_info *info) {
     const double way = network_longest_way(net);
     palp_status status = way > 1.0 ? PALP_ERR_NOT_CONVERGED : predict_linear(net, depth);
@@ -140,7 +141,7 @@ static palp_status from_last(palp_network *net, double depth, palp_step_info *in
     return status;
 }
 
-/* From where the last states lead; else from the last one. */
+/* From the extrapolated state; if that fails, from the last one. */
 static palp_status follow(palp_network *net, double depth, double time, palp_step_info *info) {
     palp_status status = PALP_ERR_NOT_CONVERGED;
     bool extrapolated = network_longest_way(net) <= 1.0 && network_extrapolate(net, depth, time, true) &&
@@ -162,7 +163,8 @@ static bool has_paths(const palp_network *net) {
     return any;
 }
 
-/* Tissue that slides off a tool snaps: where its branch ends or turns unstable, down to a stable one. */
+/* Tissue that slides off a tool snaps: where its branch ends or turns unstable, solves again for a stable
+ * one. */
 static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
     const palp_branch own = net->settings.branch;
     palp_status status = follow(net, depth, time, info);
@@ -178,8 +180,8 @@ static palp_status solve(palp_network *net, double depth, double time, palp_step
     return status;
 }
 
-/* Assesses the tangent's inertia at the solution when Newton met a negative pivot for the first time, or
- * when the plate has gone check_strain since the last time. */
+/* Assesses the inertia of the tangent at the solution: when Newton first met a negative pivot, or when the
+ * plate has moved by check_strain since the last time. */
 static void assess_stability(palp_network *net, palp_step_info *info) {
     bool due = fabs(net->next.depth - net->checked_depth) >= net->settings.check_strain * net->height;
     if (!net->buckled && (info->negative_pivots > 0 || (info->negative_pivots < 0 && due))) {
@@ -198,7 +200,7 @@ static palp_status check_step(const palp_network *net, double depth, double dt) 
     return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
 }
 
-/* At the start, time 0, no step has told the forces on the nodes and what they accelerate. */
+/* Initial accelerations: at time 0 no step has determined the forces on the nodes. */
 static void start_accelerations(palp_network *net) {
     network_state *s = &net->now;
     memcpy(net->next.x, s->x, 3 * net->n_nodes * sizeof *s->x);
@@ -251,7 +253,7 @@ palp_status network_finish(palp_network *net) {
     return PALP_OK;
 }
 
-/* Whether none of a tetrahedron's edges is cut. */
+/* Are all edges of a tetrahedron uncut? */
 static bool is_whole(const palp_network *net, const int32_t *t) {
     for (int a = 0; a < 4; a++)
         for (int b = a + 1; b < 4; b++) {

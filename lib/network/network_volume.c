@@ -1,26 +1,27 @@
-/* network_volume.c: tetrahedra that resist a change of their volume, which springs between nodes do not.
- * Energy per volume at rest w(J) = k (J - 1 - ln J), J the volume over that at rest: k (J - 1)^2 / 2 near
- * rest, without end towards J = 0. */
+/* network_volume.c: tetrahedra that resist a change of volume, which springs between nodes do not. J is the
+ * volume over that at rest. Energy per volume at rest: w(J) = k (J - 1 - ln J), near rest k (J - 1)^2 / 2,
+ * infinite at J = 0. */
 #include "mesh/mesh_internal.h"
 #include "network_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double LEAST = 0.05; /* J below which w goes on as a parabola: trial places may be inside out */
+static const double LEAST =
+    0.05; /* Below this J w continues as a parabola, as trial positions may be inverted */
 
 typedef struct volume {
     network_term term;
     double modulus; /* k, Pa */
     size_t n;
-    const int32_t *node; /* [4 n], the mesh's */
+    const int32_t *node; /* [4 n], owned by the mesh */
     double *rest;        /* [n] m^3 */
-    double *edge;  /* [9 n] from a tetrahedron's first node to the three others, at the last evaluation */
-    double *slope; /* [n] dw/dJ there, Pa */
-    double *curve; /* [n] d2w/dJ2 over the volume at rest, Pa/m^3 */
+    double *edge;        /* [9 n] from a tetrahedron's first node to the others, at the last evaluation */
+    double *slope;       /* [n] dw/dJ at the last evaluation, Pa */
+    double *curve;       /* [n] d2w/dJ2 over the volume at rest, Pa/m^3 */
 } volume;
 
-/* Energy per volume and its slope; *curve: the second derivative. */
+/* w and dw/dJ; *curve: d2w/dJ2. */
 static double law(double k, double ratio, double *slope, double *curve) {
     const double at = fmax(ratio, LEAST), beyond = ratio - at;
     *curve = k / (at * at);
@@ -28,7 +29,7 @@ static double law(double k, double ratio, double *slope, double *curve) {
     return k * (at - 1.0 - log(at)) + (k * (1.0 - 1.0 / at) + 0.5 * *curve * beyond) * beyond;
 }
 
-/* sum += factor a x b */
+/* sum += factor a x b. */
 static void add_cross(double factor, const double *a, const double *b, double *sum) {
     sum[0] += factor * (a[1] * b[2] - a[2] * b[1]);
     sum[1] += factor * (a[2] * b[0] - a[0] * b[2]);
@@ -39,20 +40,20 @@ static double dot(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Edges of a tetrahedron in what nodes have in x[3 n_nodes]. */
+/* Edges of a tetrahedron from its first node, for vectors x[3 n_nodes]. */
 static void edges(const int32_t *node, const double *x, double edge[9]) {
     for (size_t i = 0; i < 9; i++)
         edge[i] = x[3 * (size_t)node[1 + i / 3] + i % 3] - x[3 * (size_t)node[0] + i % 3];
 }
 
-/* Derivative of the volume by the places of all nodes but the first. */
+/* Derivative of the volume by the positions of all nodes but the first. */
 static void gradient(const double edge[9], double g[9]) {
     memset(g, 0, 9 * sizeof *g);
     for (int i = 0; i < 3; i++)
         add_cross(1.0 / 6.0, edge + 3 * ((i + 1) % 3), edge + 3 * ((i + 2) % 3), g + 3 * i);
 }
 
-/* out += factor g on a tetrahedron's nodes; the first takes what keeps the sum zero. */
+/* Adds factor g to out on a tetrahedron's nodes; the first node gets what makes the sum zero. */
 static void spread(const int32_t *node, double factor, const double g[9], double *out) {
     for (size_t i = 0; i < 9; i++) {
         out[3 * (size_t)node[1 + i / 3] + i % 3] += factor * g[i];
@@ -109,8 +110,8 @@ static void volume_times(const network_term *term, const palp_network *net, cons
     }
 }
 
-/* Block of nodes 1 + a and 1 + b: curve g g' and, for two nodes, slope times the third edge's cross product.
- */
+/* Block of nodes 1 + a and 1 + b: curve g g'; for two nodes also slope times the third edge's cross
+ * product. */
 static void block_between(const volume *t, size_t i, const double g[9], size_t a, size_t b, double k[9]) {
     for (size_t j = 0; j < 9; j++)
         k[j] = t->curve[i] * g[3 * a + j / 3] * g[3 * b + j % 3];
@@ -126,7 +127,7 @@ static void block_between(const volume *t, size_t i, const double g[9], size_t a
     k[7] += s * c[0];
 }
 
-/* The first node's blocks are what keeps the sums over a row and a column zero. */
+/* The first node's blocks make the sums over each row and column zero. */
 static void volume_blocks_part(const network_term *term, const palp_network *net, size_t part, size_t parts,
                                network_block_taker take, void *user) {
     const volume *t = (const volume *)term;
@@ -168,7 +169,7 @@ bool network_has_volume(const palp_network *net) {
     return network_find_term(net, &VOLUME);
 }
 
-/* Has the tangent a place for each pair of a tetrahedron's nodes? */
+/* Does the tangent have room for each pair of a tetrahedron's nodes? */
 static bool joined(const palp_network *net, const int32_t node[4]) {
     for (int a = 0; a < 4; a++)
         for (int b = a + 1; b < 4; b++)

@@ -13,7 +13,7 @@
 struct palp_vtu {
     char *folder, *name;
     size_t n, capacity;
-    double *time_s; /* [capacity], n of them used: one a frame */
+    double *time_s; /* [capacity] one for each frame, n of them used */
 };
 
 enum { VTK_LINE = 3 };
@@ -25,7 +25,7 @@ static void series_free(palp_vtu *series) {
     free(series);
 }
 
-/* A plain file name, so that it needs no escaping in XML. */
+/* Is it a plain file name, which needs no escaping in XML? */
 static bool name_valid(const char *name) {
     static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
     return name[0] && name[0] != '.' && name[strspn(name, allowed)] == '\0';
@@ -62,7 +62,7 @@ palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **serie
     return PALP_OK;
 }
 
-/* folder/name + ending, malloc'ed. */
+/* folder/name + ending, allocated by malloc. */
 static char *file_path(const palp_vtu *series, const char *ending) {
     size_t size = strlen(series->folder) + strlen(series->name) + strlen(ending) + 2;
     char *path = malloc(size);
@@ -80,7 +80,7 @@ static void array_close(FILE *f) {
     fputs("</DataArray>\n", f);
 }
 
-/* values[n] less from[n] (or 0), per of them in a line. */
+/* Prints values[n] less from[n] (or 0), per numbers in a line. */
 static void numbers_print(FILE *f, size_t n, const double *values, const double *from, size_t per) {
     for (size_t i = 0; i < n; i++)
         fprintf(f, "%.9g%c", values[i] - (from ? from[i] : 0), (i + 1) % per ? ' ' : '\n');
@@ -155,7 +155,7 @@ static palp_status frame_write(const char *path, const palp_network *network, co
     return palp_file_commit(&file, false, error);
 }
 
-/* Room for one more frame's time. */
+/* Makes room for one more frame. */
 static bool series_grow(palp_vtu *series) {
     if (series->n < series->capacity)
         return true;

@@ -5,28 +5,38 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DIRECT = 1000 };           /* unknowns of which a factor is cheaper than a cycle with levels; */
-enum { TOUCHED = 200 };           /* with tools, whose contacts only levels follow from tick to tick */
-static const double SHARE = 0.03; /* of its residual that a round of conjugate gradients may end with */
-static const double CURVED =
-    0.1; /* a tick that left less of its residual may be extrapolated by a parabola, */
-static const double STRAIGHT = 0.5; /* less than this by a line */
-static const double SUDDEN = 2.0; /* times the residual of the last tick's first guess: the path has turned */
-static const double OVERRUN = 0.5; /* of its slope that a move may have against it at its end */
-static const double ASIDE =
-    0.15; /* of what is between two places along it: so far is the next one from both */
-static const double SAFETY = 3.0; /* of the error estimate */
-static const double MARGIN =
-    0.5; /* of the error that a budget allows: corrections that leave less are enough */
-static const double NEAR =
-    0.7; /* of the error that it allows: a tick that ends there may be followed by one that corrects */
-static const double ANCHORED = 6.0;                 /* of a tick's error, what friction may remember of it */
-static const double INSTANT = 1e-3;                 /* s, of the step whose tangent the first factor is of */
-enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 }; /* most, where the budget sets no end, */
-enum {
-    SINGLE_ROUNDS = 60
-}; /* rounds where tools touch: of one correction each, as no tangent tells what comes to slip */
-enum { DESCENT = 20000 }; /* corrections to a stable branch, in as many rounds as it takes */
+/* Below so many unknowns a direct factor is cheaper than a multigrid cycle. */
+enum { DIRECT = 1000 };
+/* The same with tools: only a multigrid with levels can follow their contacts in every tick. */
+enum { TOUCHED = 200 };
+/* A round of conjugate gradients ends at this share of its first residual. */
+static const double SHARE = 0.03;
+/* A tick that left less than this share of its residual is extrapolated by a parabola. */
+static const double CURVED = 0.1;
+/* A tick that left less than this share is extrapolated by a straight line. */
+static const double STRAIGHT = 0.5;
+/* Above this multiple of the last tick's first residual the path has turned. */
+static const double SUDDEN = 2.0;
+/* Backtrack if the slope at the end of a move exceeds this share of the initial one. */
+static const double OVERRUN = 0.5;
+/* A backtracked place keeps this share of the interval away from both of its ends. */
+static const double ASIDE = 0.15;
+/* Safety factor of the error estimate. */
+static const double SAFETY = 3.0;
+/* Corrections stop at this share of the error that the budget allows. */
+static const double MARGIN = 0.5;
+/* Above this share of the allowed error the next tick evaluates the tangent, as it may have to correct. */
+static const double NEAR = 0.7;
+/* Friction may remember so many times the error of a tick. */
+static const double ANCHORED = 6.0;
+/* Time step of the tangent of the first factor, s. */
+static const double INSTANT = 1e-3;
+/* Limits of backtracking steps, rounds and corrections where the budget sets none. */
+enum { TRIES = 4, ROUNDS = 12, CORRECTIONS = 400 };
+/* Limit of rounds where tools touch: each is one correction, as the tangent does not predict slip. */
+enum { SINGLE_ROUNDS = 60 };
+/* Limit of corrections on the way to a stable branch; its rounds are not limited. */
+enum { DESCENT = 20000 };
 
 palp_realtime_settings palp_realtime_settings_default(void) {
     return (palp_realtime_settings){.refresh_share = 0.15, .background = false};
@@ -77,14 +87,14 @@ static palp_status allocate(palp_realtime *rt) {
     return status;
 }
 
-/* The tangent of the committed state, as that of an instantaneous step from it. */
+/* The tangent of the committed state, for an instantaneous step from it. */
 static palp_status evaluate_here(palp_network *net) {
     palp_status status = network_begin(net, net->now.depth, INSTANT);
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
     return status ? status : network_evaluate(net) ? PALP_OK : PALP_ERR_COLLAPSED;
 }
 
-/* A factor and an adjoint at once, of the committed state. Where it fails the factor in use still serves. */
+/* Makes a factor and an adjoint of the committed state at once. If that fails, the factor in use stays. */
 static palp_status begin(palp_realtime *rt) {
     palp_network *net = rt->net;
     if (rt->thread)
@@ -139,8 +149,7 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
         double tick = 2.0 * ((double)net->n_elements + multigrid_cycle_work(rt->mg));
         rt->piece = settings->refresh_share / (1.0 - settings->refresh_share) * tick;
         status = begin(rt);
-        if (!status) /* the same once more into the other set, whose memory a tick would else be the first to
-                        use */
+        if (!status) /* repeated for the other set, so that no tick is the first to touch its memory */
             status = realtime_refresh_now(rt);
         time_parts(rt);
     }
@@ -157,27 +166,27 @@ palp_network *palp_realtime_network(const palp_realtime *rt) {
 
 /* ---- a tick -------------------------------------------------------------------------------------- */
 
-/* What a tick is at. */
+/* The state of a tick. */
 typedef struct tick {
     palp_budget budget;
     palp_tick_info info;
     double start;       /* clock, s */
-    double norm, scale; /* |residual| of next.x, and where it is converged */
-    double first;       /* the first norm */
-    double place_error; /* of this tick's positions, in the norm of the tangent */
-    double fresh_error; /* of the force, by them, N */
+    double norm, scale; /* |residual| of next.x, and the norm at which it is converged */
+    double first;       /* norm of the first guess */
+    double place_error; /* of this tick's positions, in the energy norm of the tangent */
+    double fresh_error; /* error of the force due to place_error, N */
     bool near;          /* the estimated error is nearly as large as the budget allows */
-    size_t before;      /* corrections with tools on their way */
+    size_t before;      /* corrections made while tools were moved in parts */
 } tick;
 
-/* Evaluates next.x, once terms have made it follow them. */
+/* Lets the terms follow next.x, then evaluates there. */
 static bool follow(palp_realtime *rt, bool tangent, bool trial) {
     palp_network *net = rt->net;
     NETWORK_EACH_TERM(net, follow, net);
     return realtime_evaluate(rt, tangent, trial);
 }
 
-/* Will the tangent at next.x be used: by another correction, the adjoint's or the next factor? */
+/* Is the tangent at next.x needed: by another correction, by the adjoint or by the next factor? */
 static bool tangent_wanted(const palp_realtime *rt, bool last) {
     bool due = rt->adjoint_due > 0 && rt->driven;
     const int part = rt->adjoint_parts - rt->adjoint_due;
@@ -190,7 +199,7 @@ static bool predict(palp_realtime *rt, const palp_budget *budget) {
     const bool tangent = tangent_wanted(rt, enough);
     palp_network *net = rt->net;
     double depth = net->next.depth, move = depth - net->now.depth;
-    const bool trial = budget->force_error == 0.0; /* else it may well be enough */
+    const bool trial = budget->force_error == 0.0; /* otherwise this evaluation may be the last one */
     bool extrapolated = rt->contraction < STRAIGHT &&
                         network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
     if (extrapolated && follow(rt, tangent, trial))
@@ -205,7 +214,7 @@ static bool predict(palp_realtime *rt, const palp_budget *budget) {
     return false;
 }
 
-/* Residual of the last evaluation on all axes, 0 on fixed ones. */
+/* The residual of the last evaluation on all axes, 0 on fixed ones. */
 static void spread_residual(const palp_network *net, double *r) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         r[i] = net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]];
@@ -218,10 +227,9 @@ static double most_error(const palp_realtime *rt, const tick *t) {
                : 0.0;
 }
 
-/* Residual, force and their judgement at next.x. Force by virtual work: exact but for the product of two
- * errors, that of the positions and that of the adjoint, both known in the norm of the tangent. What tools
- * and hands feel is the tissue's own force on nodes of stiffness k: off by no more than sqrt(k) times the
- * first of them. */
+/* Residual, force and their error at next.x. The force follows from virtual work, so its error is the product
+ * of the errors of positions and adjoint, both in the energy norm. Tools and hands feel the tissue's force on
+ * nodes of stiffness k: its error is at most sqrt(k) times that of the positions. */
 static void assess(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     t->norm = network_residual(net, &t->scale);
@@ -239,13 +247,12 @@ static void assess(palp_realtime *rt, tick *t) {
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
 
-/* Looks for a stable branch, however far down it is. */
+/* Is a stable branch wanted, whatever number of corrections it takes? */
 static bool descends(const palp_realtime *rt) {
     return rt->net->settings.branch == PALP_BRANCH_STABLE;
 }
 
-/* Corrections that the budget leaves room for. The first is always made: a state that is only extrapolated
- * goes astray. */
+/* Corrections that the budget leaves room for. The first is always made: extrapolation alone would drift. */
 static size_t room(const palp_realtime *rt, const tick *t) {
     size_t own = descends(rt) ? DESCENT : CORRECTIONS,
            most = t->budget.corrections > 0 ? t->budget.corrections : own;
@@ -258,18 +265,18 @@ static size_t room(const palp_realtime *rt, const tick *t) {
     return fit < (double)left ? (fit >= 1.0 ? (size_t)fit : least) : left;
 }
 
-/* A slowly forgotten mean that a single preempted tick cannot spoil. */
+/* A running mean that forgets slowly and that one preempted tick cannot spoil. */
 static void learn(double *mean, double seconds) {
     *mean += 0.1 * (fmin(seconds, 3.0 * *mean) - *mean);
 }
 
-/* The part of the way between two places along a move where its slope is least, if it is a line. */
+/* The share of an interval at which the slope along the move is zero, by linear interpolation. */
 static double part_between(double at_low, double at_high) {
     return fmin(fmax(at_low / (at_low - at_high), ASIDE), 1.0 - ASIDE);
 }
 
-/* next.x = start + move, or less of it where that is unsound or runs past the least energy along it, as where
- * a contact stiffens or comes to stick: then to where the slope is small beside that at the start. */
+/* next.x = start + move. Backtracks if the network cannot be evaluated, or if the slope of the energy
+ * along the move is too large at its end, as where a contact stiffens or begins to stick. */
 static bool go(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     double alpha = 1.0, start = realtime_clock();
@@ -306,8 +313,7 @@ static bool go(palp_realtime *rt, tick *t) {
     return false;
 }
 
-/* Error of the positions, in the norm of the tangent, with which the budget's force error is met; 0: it sets
- * none. */
+/* Error of the positions, in the energy norm, at which the budget's force error is met; 0 if it sets none. */
 static double enough(palp_realtime *rt, const tick *t) {
     const double error =
         SAFETY * realtime_doubt(rt) * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
@@ -326,7 +332,8 @@ static void correct(palp_realtime *rt, tick *t) {
         if (i == rounds && t->budget.corrections == 0 && !(t->budget.seconds > 0.0) && !descends(rt))
             return;
         double start = realtime_clock();
-        if (!rt->fresh && !realtime_evaluate(rt, true, true)) /* the prediction was thought to be enough */
+        if (!rt->fresh &&
+            !realtime_evaluate(rt, true, true)) /* the prediction was expected to be good enough */
             return;
         size_t done =
             touched ? realtime_solve_touched(rt, 1, SHARE) : realtime_solve(rt, left, SHARE, enough(rt, t));
@@ -344,7 +351,7 @@ static void correct(palp_realtime *rt, tick *t) {
     }
 }
 
-/* With tools at this share of their way: another budget of corrections. */
+/* Moves the tools to this share of their way and corrects with a new budget of corrections. */
 static palp_status go_on(palp_realtime *rt, tick *t, double share) {
     NETWORK_EACH_TERM(rt->net, place, rt->net, share);
     if (!realtime_evaluate(rt, true, true))
@@ -357,8 +364,8 @@ static palp_status go_on(palp_realtime *rt, tick *t, double share) {
     return PALP_OK;
 }
 
-/* Of an error in a tick's positions the arms remember what they relax in it: for the plate to the first
- * order, as they stand in another equilibrium than all springs. */
+/* Arms relax at positions that have an error, and remember the force of that. For the plate it is of first
+ * order, as arms and springs have different equilibria. */
 static void remember(palp_realtime *rt, const tick *t) {
     const palp_network *net = rt->net;
     const double leak = realtime_leak(net);
@@ -370,8 +377,8 @@ static void remember(palp_realtime *rt, const tick *t) {
         rt->remembered += leak * rt->forgets * t->place_error;
 }
 
-/* After the commit: the next factor and the adjoint, on the tangent of the last evaluation. A tick that had
- * to correct while those around it need not leaves it to them. */
+/* After the commit: works on the adjoint or the next factor with the tangent of the last evaluation. A tick
+ * that had to correct, though the one before it had not, leaves this to later ticks. */
 static void look_ahead(palp_realtime *rt, tick *t) {
     if (rt->idle && t->info.corrections > 0)
         return;
@@ -383,10 +390,10 @@ static void look_ahead(palp_realtime *rt, tick *t) {
     }
 }
 
-/* Solved as far as the budget went: next becomes the committed state. */
+/* Finishes the step at the accuracy reached and commits it. */
 static palp_status commit(palp_realtime *rt, const tick *t) {
     palp_network *net = rt->net;
-    if (!rt->kept) /* it was the last one, other than was thought */
+    if (!rt->kept) /* an unexpected last evaluation: its history was not kept */
         realtime_evaluate(rt, rt->fresh, false);
     palp_status status = network_finish(net);
     if (status)
@@ -404,7 +411,7 @@ static palp_status commit(palp_realtime *rt, const tick *t) {
     return PALP_OK;
 }
 
-/* Of a part of the tetrahedra anew; of the others as the ticks before found them. */
+/* Counts one part of the tetrahedra anew and adds the last counts of the other parts. */
 static size_t count_inverted(palp_realtime *rt) {
     size_t sum = 0;
     rt->inverted[rt->part] = network_count_inverted(rt->net, rt->net->now.x, rt->part, REALTIME_PARTS);
@@ -414,9 +421,9 @@ static size_t count_inverted(palp_realtime *rt) {
     return sum;
 }
 
-/* A hand that stops or turns makes the path's continuation a bad guess, and what slips on the way back from
- * there is remembered. Where tools touch, and the guess leaves so much more than that of the tick before, the
- * tick starts from where the nodes are, if that leaves less. */
+/* When a hand stops or turns, extrapolation is a bad guess, and friction would remember slip on the way back.
+ * If tools touch and the guess's residual jumped, the tick starts from the committed positions, provided
+ * their residual is smaller. */
 static void stay_if_nearer(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     const size_t size = 3 * net->n_nodes * sizeof *rt->q;

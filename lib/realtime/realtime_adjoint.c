@@ -1,22 +1,23 @@
-/* realtime_adjoint.c: the adjoint dx / d depth, which makes the force's error a product of two: how it is
- * corrected now and then, and what is known of its own error, of the factor's, and of what the arms remember.
- */
+/* realtime_adjoint.c: the adjoint dx / d depth, which makes the force's error a product of two errors. Its
+ * corrections; the estimates of its error, of the factor's, and of the error that arms remember. */
 #include "realtime_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double DOUBTED =
-    0.5; /* of the worst that a factor was found to do, what an error is taken to be */
-static const double PUT_RIGHT =
-    0.5; /* of the adjoint's error by a correction with a factor that is not a bad one */
-static const double FADES =
-    0.7; /* of the rate at which the adjoint changes, what is believed on the next interval */
-static const double ROUNDING = 1e-8; /* of an error's energy, what single precision leaves */
-static const double STEP = 1e-3;     /* of the network's size, in which the adjoint's change is found */
+/* An error is taken as this share of the largest underestimate that was found for the factor. */
+static const double DOUBTED = 0.5;
+/* A correction with a good factor removes this share of the adjoint's error. */
+static const double PUT_RIGHT = 0.5;
+/* The estimated rate of change of the adjoint falls to this share of the last one at most. */
+static const double FADES = 0.7;
+/* Rounding of single precision, as a share of the error's energy. */
+static const double ROUNDING = 1e-8;
+/* Displacement over which the adjoint's change is found, as a share of the network's size. */
+static const double STEP = 1e-3;
 
-/* The four parts of a correction of the adjoint: its residual, that times the factor in two halves, and the
- * step along it. */
+/* A correction of the adjoint has four parts: its residual, two halves of the preconditioner, and the
+ * step. */
 static void adjoint_residual(palp_realtime *rt) {
     realtime_tangent_times(rt, rt->adjoint, rt->adjoint_r);
     for (size_t i = 0; i < 3 * rt->net->n_nodes; i++)
@@ -35,8 +36,8 @@ static void adjoint_direction(palp_realtime *rt) {
     multigrid_apply_rest(rt->mg, rt->adjoint_r, rt->adjoint_half, rt->adjoint_z);
 }
 
-/* What it was off by was found some ticks ago. A correction is not believed to put right more than its share
- * of that, and what it has become off by for each m not to fall below FADES of what it was before. */
+/* The error was found some ticks ago, at adjoint_at[1]. A correction is assumed to remove only its share of
+ * it. The rate at which the error grows, per m, falls to FADES of its former value at most. */
 static void adjoint_move(palp_realtime *rt) {
     const size_t n = 3 * rt->net->n_nodes;
     const double *z = rt->adjoint_z;
@@ -64,7 +65,7 @@ double realtime_leak(const palp_network *net) {
     return sum;
 }
 
-/* Stiffness of an element at strain e by which its arms forget in this step, N. */
+/* Stiffness by which the arms of an element at strain e relax in this step, N. */
 static double forgotten(const palp_network *net, double e) {
     const palp_material *m = &net->material;
     double elastic = 0.0, tangent = 0.0, sum = 0.0;
@@ -76,7 +77,7 @@ static double forgotten(const palp_network *net, double e) {
     return sum;
 }
 
-/* Is it the same at every strain? */
+/* Is it independent of strain? */
 static bool forgets_evenly(const palp_material *m) {
     bool even = !m->quasi_linear;
     for (size_t j = 0; j < m->n_arms; j++)
@@ -84,8 +85,8 @@ static bool forgets_evenly(const palp_material *m) {
     return even;
 }
 
-/* What arms that forget would push the nodes with, if these had gone along the adjoint: of one of FORCE_PARTS
- * of the elements. */
+/* The nodal forces of relaxing arms after a displacement along the adjoint, from one of FORCE_PARTS of the
+ * elements. */
 static void memory_force(palp_realtime *rt, size_t part) {
     const palp_network *net = rt->net;
     const double *x = net->now.x, *a = rt->adjoint, same = forgotten(net, 0.0);
@@ -151,7 +152,7 @@ double realtime_adjoint_error(const palp_realtime *rt) {
     return rt->driven ? rt->adjoint_error + rt->adjoint_rate * rt->adjoint_far : 0.0;
 }
 
-/* How the adjoint's error begins to grow: what it is a little way along the adjoint. */
+/* The initial rate of the adjoint's error, from its residual after a small displacement along the adjoint. */
 static void find_rate(palp_realtime *rt) {
     palp_network *net = rt->net;
     const size_t n = 3 * net->n_nodes;
@@ -167,8 +168,8 @@ static void find_rate(palp_realtime *rt) {
     network_evaluate(net);
 }
 
-/* Of an error that the factor has been applied to again and again the part is left that it is worst at; of a
- * good factor's nothing but rounding. */
+/* Power iteration for the factor's worst underestimate: repeated corrections leave the error it reduces
+ * least. A good factor leaves rounding only. */
 static void find_doubt(palp_realtime *rt) {
     enum { ROUNDS = 12 };
     const palp_network *net = rt->net;

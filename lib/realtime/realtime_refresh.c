@@ -1,11 +1,11 @@
-/* realtime_refresh.c: making the next factor while the present one serves, some of it in every tick. */
+/* realtime_refresh.c: makes the next factor in pieces, one a tick, while the present one is in use. */
 #include "realtime_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double PAUSE =
-    1.0; /* units an element that a factor in use is left alone: work that the ticks do not have */
+/* Work units per element for which a factor is left as it is, to save time in the ticks. */
+static const double PAUSE = 1.0;
 
 static void copy_element(const palp_network *net, float *element, const multigrid_source *source, size_t i) {
     float *e = element + source->place[i];
@@ -14,7 +14,7 @@ static void copy_element(const palp_network *net, float *element, const multigri
     e[source->spacing] = (float)across;
 }
 
-/* Where the blocks of terms go. */
+/* Destination of the blocks of terms. */
 typedef struct gathering {
     double *node;           /* [6 n_nodes] own blocks, lower triangle by rows */
     multigrid_coupling *to; /* [MULTIGRID_COUPLINGS] */
@@ -28,7 +28,7 @@ static void add_own(double *block, const double k[9], bool turn) {
         block[i] += k[turn ? upper[i] : lower[i]];
 }
 
-/* Couplings for which there is no room are lumped on the own blocks. */
+/* Couplings beyond the room for them are lumped into the own blocks. */
 static void take_block(void *user, int32_t row, int32_t column, const double k[9]) {
     gathering *g = user;
     bool full = g->n == MULTIGRID_COUPLINGS, turn = row > column;
@@ -51,8 +51,8 @@ bool realtime_touches(const network_term *term) {
     return term->kind->blocks && !term->kind->blocks_part;
 }
 
-/* What terms add to the tangent of the last evaluation: own blocks into net->node_block, couplings, of which
- * it returns the number. */
+/* What terms add to the tangent of the last evaluation: own blocks into net->node_block, couplings into to.
+ * Returns the number of couplings. */
 static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
     gathering g = {net->node_block, to, 0};
     memset(g.node, 0, 6 * net->n_nodes * sizeof *g.node);
@@ -71,8 +71,8 @@ static void take_further(void *user, int32_t row, int32_t column, const double k
     multigrid_add_block(user, row, column, k);
 }
 
-/* A part of the blocks of terms on all nodes, into the next numbers: those of a later part may be of a later
- * tick. */
+/* Adds one part of the blocks of terms on all nodes to the next factor. Parts may come from different
+ * ticks. */
 static void gather_further(palp_realtime *rt, size_t part, size_t parts) {
     const palp_network *net = rt->net;
     if (part == 0)
@@ -126,7 +126,7 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
     return status;
 }
 
-/* Begins the making, of the last evaluation's elements. */
+/* Begins the next factor with the elements of the last evaluation. */
 static void begin(palp_realtime *rt) {
     const multigrid_source source = multigrid_input(rt->mg);
     rt->element = multigrid_exchange(rt->mg, rt->element);
@@ -138,7 +138,7 @@ static void begin(palp_realtime *rt) {
         refresh_thread_start(rt->thread);
 }
 
-/* Where the tangent was not positive definite, once more with what is left of it that is. */
+/* If the tangent was not positive definite, starts again with its positive definite part. */
 static bool finish(palp_realtime *rt, palp_status status) {
     rt->at = 0;
     if (status && !rt->definite) {
@@ -164,7 +164,7 @@ bool realtime_refresh_begins(const palp_realtime *rt) {
            (double)(rt->at + 1) * rt->piece >= PAUSE * (double)rt->net->n_elements;
 }
 
-/* The next making is due, but not yet. */
+/* Waits until the next factor is due. */
 static void wait(palp_realtime *rt) {
     rt->at++;
     if (rt->filled && rt->gathered < REALTIME_PARTS)

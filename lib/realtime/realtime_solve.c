@@ -1,10 +1,11 @@
-/* realtime_solve.c: conjugate gradients with the kept factor. */
+/* realtime_solve.c: conjugate gradients with the kept factor as preconditioner. */
 #include "realtime_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double FURTHEST = 0.002; /* of the network's size: a move where the tangent is not definite */
+/* Longest move where the tangent is not definite, as a share of the network's size. */
+static const double FURTHEST = 0.002;
 
 palp_status realtime_place_runs(palp_realtime *rt) {
     const palp_network *net = rt->net;
@@ -86,9 +87,8 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enou
         double rz = network_dot(rt->r, rt->z, n), beta = before > 0.0 ? rz / before : 0.0;
         if (!(rz > 0.0) || isinf(rz))
             break;
-        const double ratio = sqrt(
-            rz /
-            square); /* least where a residual is rough, as corrections leave it: later guesses' are not */
+        const double ratio = sqrt(rz / square); /* the ratio is least for the rough residual that corrections
+                                                   leave, not for that of a later guess */
         rt->error_ratio = rt->filled && done > 1 ? fmax(rt->error_ratio, ratio) : ratio;
         before = rz;
         for (size_t i = 0; i < n; i++)

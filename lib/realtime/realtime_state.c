@@ -1,4 +1,4 @@
-/* realtime_state.c: the state of a network and of what steps it in real time, into a buffer and back. */
+/* realtime_state.c: saves and restores the state of a network and of its real-time solver. */
 #include "realtime_internal.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ static void pass_source(const palp_network *net, multigrid_source source, networ
     network_pass(c, source.beside, source.n_beside * sizeof *source.beside);
 }
 
-/* Makes the factor that served anew, and of the next one as much as there was. */
+/* Makes the factor in use again, and the next one as far as it had got. */
 static void remake(palp_realtime *rt, network_cursor *c) {
     bool done = false;
     multigrid_begin(rt->mg, rt->used_definite);
@@ -66,13 +66,13 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     }
 }
 
-/* Stands before the network's state; what follows that is summed here. All but the sum must be the same in
- * what saves and in what restores. */
+/* Precedes the network's state; sum is a checksum of what follows. Saver and restorer must agree in all other
+ * fields. */
 typedef struct header {
     uint64_t magic, network, size, sum;
 } header;
 
-/* Without the sum. */
+/* All but the checksum. */
 static header header_of(const palp_realtime *rt) {
     network_cursor c = {.way = NETWORK_COUNT};
     pass_realtime((palp_realtime *)rt, &c); /* counting changes nothing */

@@ -1,11 +1,12 @@
-/* realtime_touch.c: what touches the tissue from outside: how hard, where, and whether staying is nearer to
- * equilibrium there. */
+/* realtime_touch.c: what touches the tissue: forces, stiffness, and whether unmoved nodes are nearer to
+ * equilibrium. */
 #include "realtime_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double LASTING = 0.9; /* of an arm's force, what a step leaves of it at least */
+/* An arm's force lasts if a step leaves at least this share of it. */
+static const double LASTING = 0.9;
 
 double realtime_outer_force(const palp_network *net) {
     double sum[3] = {0.0};
@@ -32,7 +33,7 @@ double realtime_own_stiffness(palp_realtime *rt) {
     return 3.0 * rt->net->modulus * sum;
 }
 
-/* Do elements that keep their lengths keep their forces in this step? */
+/* Do elements of constant length keep their forces in this step? */
 static bool forces_last(const palp_network *net) {
     bool last = net->material.formulation == PALP_HISTORY && net->step.dashpot == 0.0;
     for (size_t j = 0; j < net->material.n_arms; j++)

@@ -1,17 +1,17 @@
-/* realtime_touched.c: corrections where tools touch. What touches, sticks or slips changes with every
- * correction, so the forces are looked at anew after each, from which conjugate gradients would have to start
- * again. So a tick keeps the directions that it went, with what the tissue's tangent makes of each: that
- * hardly changes within a tick. What the tools add is made anew. A correction leaves no residual along any
- * direction (Galerkin's condition; with a symmetric tangent that stays the same it is that of conjugate
- * gradients). The tangent need not be symmetric: friction that slips follows the pressure. */
+/* realtime_touched.c: corrections where tools touch. Contact, stick and slip change with every correction, so
+ * forces are evaluated after each, and conjugate gradients would have to restart. A tick therefore keeps its
+ * directions and their products with the tissue's tangent, which hardly changes within a tick. The tools'
+ * part is made anew. After a correction the residual is orthogonal to all directions (Galerkin's condition).
+ * With a constant symmetric tangent this is conjugate gradients. The tangent need not be symmetric: sliding
+ * friction follows the pressure. */
 #include "base/dense.h"
 #include "realtime_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Solves a x = b for x in place of b; a[m m] by columns is spoilt. Without pivoting: the k-th pivot is the
- * curvature along direction k less what those before it take of it. False: one is not positive. */
+/* Solves a x = b for x in place of b; a[m m] by columns is overwritten. No pivoting: pivot k is the curvature
+ * of direction k after elimination of those before. False if a pivot is not positive. */
 static bool eliminate(size_t m, double *a, double *b) {
     for (size_t k = 0; k < m; k++) {
         if (!(a[k + k * m] > 0.0))
@@ -31,7 +31,7 @@ static bool eliminate(size_t m, double *a, double *b) {
     return true;
 }
 
-/* Adds to the move what leaves no residual along the directions. False where that does not lead downhill. */
+/* Adds to the move what makes the residual orthogonal to all directions. False if that is not downhill. */
 static bool move_along(palp_realtime *rt) {
     const size_t n = 3 * rt->net->n_nodes, m = rt->n_directions;
     double a[REALTIME_DIRECTIONS * REALTIME_DIRECTIONS], along[REALTIME_DIRECTIONS],
@@ -51,14 +51,14 @@ static bool move_along(palp_realtime *rt) {
     return true;
 }
 
-/* The tangent times direction i, as the tools now are. */
+/* The whole tangent times direction i, with the tools as they are now. */
 static void touch_direction(palp_realtime *rt, size_t i) {
     const size_t n = 3 * rt->net->n_nodes;
     memcpy(rt->tangent + i * n, rt->inner + i * n, n * sizeof *rt->tangent);
     realtime_add_touching(rt, true, rt->direction + i * n, rt->tangent + i * n);
 }
 
-/* The directions of the corrections before, and the move along them, as the tools now are. */
+/* Updates the kept directions for the tools as they are now, and moves along them. */
 static void use_directions(palp_realtime *rt) {
     const size_t m = rt->n_directions;
     double a[REALTIME_DIRECTIONS * REALTIME_DIRECTIONS];
@@ -73,7 +73,7 @@ static void use_directions(palp_realtime *rt) {
         rt->n_directions = 0;
 }
 
-/* rt->z over size becomes another direction, and if there is no room the only one. */
+/* Adds rt->z / size as a direction; if there is no room, it replaces all others. */
 static void add_direction(palp_realtime *rt, double size) {
     const size_t n = 3 * rt->net->n_nodes,
                  last = rt->n_directions < REALTIME_DIRECTIONS ? rt->n_directions : 0;

@@ -1,4 +1,4 @@
-/* reduce.c: building a reduced model, its error on held-out paths, and what can be asked of it. */
+/* reduce.c: building a reduced model, its error on held-out paths, and its properties. */
 #include "reduce_internal.h"
 
 #include "base/dense.h"
@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bound is the worst error seen, on held-out and snapshot paths, times 1 + CAUTION / held-out paths: of n
- * paths like it a new one exceeds the worst with probability 1 / (n + 1). */
+/* Error bound: the largest error on held-out and snapshot paths, times 1 + CAUTION / held-out paths. With n
+ * similar paths a new one exceeds the largest error with probability 1 / (n + 1). */
 static const double CAUTION = 2.0;
 
 palp_reduce_settings palp_reduce_settings_default(void) {
@@ -174,8 +174,7 @@ static void find_range(palp_reduced *r, size_t n_paths, palp_snapshots *const *s
         }
 }
 
-/* Length of the difference of the plate's and the tools' forces at sample i, and of the full network's own.
- */
+/* |difference| of the plate's and the tools' forces at sample i, and |force| of the full network there. */
 static double force_difference(const palp_snapshots *t, size_t i, double force, const palp_tool_force *tools,
                                double *size) {
     double plate = force - t->force[i], difference = plate * plate, own = t->force[i] * t->force[i];
@@ -281,7 +280,7 @@ static palp_status reduce(palp_network *net, size_t n_paths, palp_snapshots *con
     reduced_samples samples = {0, NULL};
     palp_status status = reduced_pod(net, n_paths, snapshots, settings, &modes, &basis, &lift, &samples);
     if (!status && modes == 0)
-        status = PALP_ERR_ARGUMENT; /* nothing moves on these paths */
+        status = PALP_ERR_ARGUMENT; /* the snapshot paths move nothing */
     if (!status)
         status = reduced_ecsw(net, n_paths, snapshots, settings, modes, basis, lift, &samples, &n, &element,
                               &weight, &residual);
@@ -313,7 +312,7 @@ palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshot
     const contact_set *contacts = contact_of(net);
     const size_t n_terms = net->n_terms;
     palp_network_reset(net);
-    net->n_terms = 0; /* tools are no part of the shapes' stiffness, and at rest there are no cuts */
+    net->n_terms = 0; /* the stiffness at rest has no tools and no cuts */
     status = reduce(net, n_paths, snapshots, settings, contacts, &made);
     net->n_terms = n_terms;
     palp_network_reset(net);

@@ -1,5 +1,5 @@
-/* reduce_contact.c: the surface of a reduced model, on which tools act as they do on a network's. Its places
- * are worked out only near the tools. */
+/* reduce_contact.c: the surface of a reduced model, which tools touch as they do a network's. Positions are
+ * computed only near the tools. */
 #include "base/dense.h"
 #include "mesh/mesh_internal.h"
 #include "reduce_internal.h"
@@ -8,9 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double SLACK = 2.0; /* edges; so far places may be out of date away from the tools */
+static const double SLACK = 2.0; /* in edges; error allowed for positions away from the tools */
 
-/* Nodes of the triangles, each once, ascending; triangles with their numbers among them. */
+/* Numbers the nodes of the triangles, ascending and without repeats, and the triangles' corners by these
+ * numbers. */
 static void number_nodes(const palp_reduced *r, reduced_contact *surface, int32_t *number) {
     for (size_t i = 0; i < r->n_nodes; i++)
         number[i] = -1;
@@ -25,7 +26,7 @@ static void number_nodes(const palp_reduced *r, reduced_contact *surface, int32_
         surface->triangle[i] = number[r->triangles[i]];
 }
 
-/* How fast a node can move per coordinate and per depth. */
+/* Largest motion of a node per coordinate and per depth. */
 static void find_speed(const palp_reduced *r, reduced_contact *surface) {
     for (size_t i = 0; i < surface->n; i++) {
         size_t row = 3 * (size_t)surface->node[i];
@@ -80,7 +81,7 @@ palp_status reduced_contact_make(palp_reduced *r) {
     return status;
 }
 
-/* Place of surface node i at (q, depth) into x. */
+/* Position of surface node i at (q, depth) into x. */
 static void place_node(const palp_reduced *r, size_t i, const double *q, double depth, double *x) {
     for (size_t k = 0; k < 3; k++)
         x[3 * i + k] = reduced_coordinate(r, q, depth, 3 * (size_t)r->surface->node[i] + k);
@@ -93,7 +94,7 @@ void reduced_contact_reset(palp_reduced *r) {
     surface->drift = 0.0;
 }
 
-/* The box around a tool; a plane's is everything. */
+/* The box around a tool; unbounded for a plane. */
 static void tool_box(const palp_tool *tool, double margin, double low[3], double high[3]) {
     for (size_t k = 0; k < 3; k++) {
         double start = tool->position_m[k];
@@ -104,8 +105,8 @@ static void tool_box(const palp_tool *tool, double margin, double low[3], double
     }
 }
 
-/* The nodes that could touch in this step: those whose last known place is in the box of a tool, wide enough
- * for its travel and for what the places may be out of date. */
+/* Finds the nodes that could touch in this step: those whose last position is in a tool's box, enlarged by
+ * its travel and the positions' error. */
 static void find_near(palp_reduced *r, double margin) {
     reduced_contact *surface = r->surface;
     const contact_set *contacts = &surface->contacts;
@@ -125,7 +126,7 @@ static void find_near(palp_reduced *r, double margin) {
     }
 }
 
-/* Farthest that a tool goes in this step. */
+/* Largest distance that a tool moves in this step. */
 static double travel(const contact_set *contacts) {
     double most = 0.0;
     for (size_t i = 0; i < contacts->n_tools && i < contacts->now.n_tools; i++) {
@@ -176,7 +177,7 @@ void reduced_contact_evaluate(palp_reduced *r, double *drive) {
     }
 }
 
-/* The basis' rows of a contact's corners, rows[modes 9], and its tangent times them. */
+/* POD rows of a contact's corners, rows[modes 9], and the contact's tangent times them. */
 static void contact_rows(const palp_reduced *r, const contact *c, double *rows, double *scaled) {
     size_t n = r->modes;
     memset(scaled, 0, 9 * n * sizeof *scaled);

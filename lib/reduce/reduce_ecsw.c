@@ -1,6 +1,6 @@
-/* reduce_ecsw.c: which elements stand for all, and with what weight: energy-conserving sampling and weighting
- * (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98), fitted to forces and to tangents,
- * since in equilibrium most of the reduced forces vanish. */
+/* reduce_ecsw.c: ECSW, energy-conserving sampling and weighting: the elements that are kept, and their
+ * weights (Farhat, Avery, Chapman, Cortial 2014, Int. J. Numer. Meth. Eng. 98). Fitted to forces and to
+ * tangents, since in equilibrium most of the reduced forces vanish. */
 #include "base/dense.h"
 #include "solve/nnls.h"
 #include "reduce_internal.h"
@@ -11,10 +11,10 @@
 #include <string.h>
 
 enum {
-    DIRECTIONS = 4, /* random ones a sample, for the forces; as many pairs for the tangents */
+    DIRECTIONS = 4, /* random directions a sample for the forces, and as many pairs for the tangents */
     LINES = 2 * DIRECTIONS + 1,
     CANDIDATES_MAX = 200000,
-    SPARE = 3 /* equations an element at most kept, halves of it */
+    SPARE = 3 /* equations for each kept element at most */
 };
 
 typedef struct sampling {
@@ -25,22 +25,22 @@ typedef struct sampling {
     int32_t *candidate; /* [n_candidates] elements */
     double *a;          /* [rows n_candidates] by columns */
     double *b;          /* [rows] */
-    double *spread;     /* [modes] root mean square of the samples' coordinates */
+    double *spread;     /* [modes] root mean square of the snapshots' coordinates */
     double *solution;   /* [n_candidates] weights */
     double *x, *fields; /* [3 n_nodes], [3 n_nodes 3 DIRECTIONS] */
-    double *drive;      /* [3 n_nodes] the lift, scaled to unit energy at rest as the basis is */
+    double *drive;      /* [3 n_nodes] the lift, with unit energy at rest like the modes */
     double *mix;        /* [modes 3 DIRECTIONS] coordinates of the fields */
-    double *work;       /* [n_elements] what each element adds to a row */
+    double *work;       /* [n_elements] contribution of each element to a row */
     uint64_t seed;
 } sampling;
 
-/* out[3 n_nodes] = basis q */
+/* out[3 n_nodes] = basis q. */
 static void expand(const sampling *s, const double *q, double *out) {
     dense_transposed_times(s->modes, 3 * s->net->n_nodes, 1.0, s->basis, q, 0.0, out);
 }
 
-/* The network at a sample's reduced state, with the history of the one before; then that history is its own.
- */
+/* Puts the network into a sample's reduced state, with the history of the sample before; then its history is
+ * the sample's. */
 static bool place_sample(sampling *s, const double *q, double depth, double dt) {
     palp_network *net = s->net;
     expand(s, q, s->x);
@@ -54,7 +54,7 @@ static bool place_sample(sampling *s, const double *q, double depth, double dt) 
     return sound;
 }
 
-/* Fields of random directions: of plain Gaussian coordinates, and of such as large as the samples'. */
+/* Fields of random directions: Gaussian coordinates, plain ones and ones scaled by the snapshots'. */
 static void make_fields(sampling *s) {
     size_t n3 = 3 * s->net->n_nodes;
     for (size_t k = 0; k < 3 * DIRECTIONS; k++) {
@@ -65,7 +65,7 @@ static void make_fields(sampling *s) {
     }
 }
 
-/* Moves what each element adds into the next row, and the sum over all. */
+/* Copies the contribution of each candidate to the next row, and the sum over all elements. */
 static void keep_row(sampling *s) {
     double sum = 0.0;
     for (size_t i = 0; i < s->net->n_elements; i++)
@@ -101,7 +101,7 @@ static void tangent_row(sampling *s, const double *u, const double *v) {
     keep_row(s);
 }
 
-/* The rows of one sample: the plate's force, forces and tangents along random directions. */
+/* Rows of one sample: the plate's force, then forces and tangents along random directions. */
 static void add_rows(sampling *s) {
     size_t n3 = 3 * s->net->n_nodes;
     make_fields(s);
@@ -112,7 +112,7 @@ static void add_rows(sampling *s) {
     }
 }
 
-/* Every step of all snapshots, for the history's sake; rows from evenly spread samples. */
+/* Runs every step of all snapshots, which the history needs, and adds rows for evenly spread samples. */
 static palp_status walk(sampling *s, size_t n_paths, palp_snapshots *const *snapshots,
                         const reduced_samples *samples) {
     size_t wanted = s->rows / LINES, at = 0, taken = 0;
@@ -132,7 +132,7 @@ static palp_status walk(sampling *s, size_t n_paths, palp_snapshots *const *snap
     return PALP_OK;
 }
 
-/* All elements, or so many drawn at random. */
+/* All elements as candidates, or so many random ones. */
 static void choose_candidates(sampling *s) {
     size_t n = s->net->n_elements, left = s->n_candidates, k = 0;
     for (size_t i = 0; i < n && left > 0; i++)
@@ -186,7 +186,7 @@ static palp_status sampling_make(sampling *s, const palp_reduce_settings *settin
     return PALP_OK;
 }
 
-/* The elements of weight above 0. */
+/* Keeps the elements with positive weight. */
 static palp_status keep_weighted(const sampling *s, size_t *n, int32_t **element, double **weight) {
     const double *x = s->solution;
     size_t count = 0;

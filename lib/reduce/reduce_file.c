@@ -1,7 +1,6 @@
-/* reduce_file.c: a reduced model as JSON, and its arrays in a binary file beside it.
- * The binary file: "PALPRED1", the number 0x01020304 twice as it stands in this machine's memory (4 bytes
- * each), the sizes (8 bytes each: nodes, modes, elements, triangles), then the arrays of `arrays` below, one
- * after the other. */
+/* reduce_file.c: a reduced model as JSON, with its arrays in a binary file next to it. The binary file:
+ * "PALPRED1", the number 0x01020304 twice in this machine's byte order (4 bytes each), the sizes (8 bytes
+ * each: nodes, modes, elements, triangles), then the arrays of `arrays` below in order. */
 #include "reduce_internal.h"
 
 #include "base/json.h"
@@ -53,7 +52,7 @@ static void head_make(const palp_reduced *r, unsigned char head[HEAD]) {
     memcpy(head + 16, size, 32);
 }
 
-/* path with .bin in place of .json. */
+/* path with .bin instead of .json. */
 static palp_status arrays_path(const char *path, char out[PALP_PATH_MAX]) {
     size_t n = strlen(path);
     if (n >= 5 && strcmp(path + n - 5, ".json") == 0)
@@ -125,14 +124,14 @@ static json_t *root_json(const palp_reduced *r, json_t *network, const char *fil
         file, "bytes", (json_int_t)check.bytes, "checksum", sum);
 }
 
-/* The model with its arrays' name and checksum; the arrays are written. */
+/* Writes the arrays, then the model with their name and checksum. */
 static palp_status pair_write(const palp_reduced *r, const char *model, const char *file, palp_file *text,
                               palp_file *arrays, palp_error *error) {
     sums check = arrays_write(r, arrays->stream);
     json_t *network = json_loads(model, 0, NULL);
     json_t *root = network ? root_json(r, network, file, check) : NULL;
     if (root) {
-        json_dumpf(root, text->stream, JSON_INDENT(2)); /* the stream keeps its errors */
+        json_dumpf(root, text->stream, JSON_INDENT(2)); /* errors of the stream are checked later */
         fputc('\n', text->stream);
         json_decref(root);
         return palp_file_commit_pair(arrays, text, true, error);
@@ -187,7 +186,7 @@ static palp_status count_read(const palp_json *at, const char *key, size_t *valu
     return PALP_OK;
 }
 
-/* A number that is not negative; null = absent where that is allowed. */
+/* A number >= 0; absent is the value for null, if that is allowed. */
 static palp_status number_read(const palp_json *at, const char *key, double absent, double *value) {
     palp_json member;
     palp_status status = palp_json_require(at, key, &member);
@@ -275,7 +274,7 @@ static palp_status tools_read(const palp_json *root, palp_reduced *r) {
     return status;
 }
 
-/* What does not fit the header: a sentence, or NULL. */
+/* What contradicts the header, as a sentence, or NULL. */
 static const char *bytes_wrong(const palp_reduced *r, const char *bytes, size_t size, size_t want,
                                const char *sum) {
     unsigned char head[HEAD];
@@ -320,7 +319,7 @@ static bool arrays_sound(const palp_reduced *r) {
     return sound;
 }
 
-/* So many bytes do the arrays take; 0 where that is beyond reason. */
+/* Size of the arrays in bytes; 0 if it is impossibly large. */
 static size_t bytes_wanted(palp_reduced *r) {
     array list[ARRAYS];
     size_t sum = HEAD;

@@ -1,5 +1,5 @@
-/* reduce_pod.c: the shapes of a reduced model, orthonormal in the network's stiffness at rest K.
- * Snapshots: Sirovich 1987, Quart. Appl. Math. 45. */
+/* reduce_pod.c: POD modes of a reduced model, orthonormal in the network's stiffness at rest K. Snapshots:
+ * Sirovich 1987, Quart. Appl. Math. 45. */
 #include "base/dense.h"
 #include "reduce_internal.h"
 
@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double ROUNDING = 1e-13; /* of the largest eigenvalue: what is below is none */
+static const double ROUNDING =
+    1e-13; /* relative to the largest eigenvalue: below it there is only rounding */
 
 void reduced_at_rest(palp_network *net) {
     palp_network_reset(net);
@@ -16,7 +17,7 @@ void reduced_at_rest(palp_network *net) {
     network_evaluate(net);
 }
 
-/* out = K u over all coordinates, of a network at rest. */
+/* out = K u for all coordinates of a network at rest. */
 static void rest_times(const palp_network *net, const double *u, double *out) {
     memset(out, 0, 3 * net->n_nodes * sizeof *out);
     for (size_t i = 0; i < net->n_elements; i++) {
@@ -32,7 +33,7 @@ static void rest_times(const palp_network *net, const double *u, double *out) {
     }
 }
 
-/* lift: the linear answer at rest to the plate's motion. */
+/* lift: the linear response at rest to the plate's motion. */
 static palp_status find_lift(palp_network *net, double *lift) {
     int negative;
     reduced_at_rest(net);
@@ -46,7 +47,7 @@ static palp_status find_lift(palp_network *net, double *lift) {
     return PALP_OK;
 }
 
-/* Displacements beside the lift, u[3 n_nodes samples]. */
+/* Displacements of the samples without the lift, u[3 n_nodes samples]. */
 static void find_displacements(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
                                const double *lift, double *u) {
     size_t n3 = 3 * net->n_nodes;
@@ -59,7 +60,7 @@ static void find_displacements(const palp_network *net, size_t n_paths, palp_sna
         }
 }
 
-/* Of the eigenvalues w[n], ascending, how many of the largest hold all but tolerance^2 of the sum. */
+/* How many of the largest eigenvalues w[n] (ascending) contain all but tolerance^2 of the sum. */
 static size_t worth_keeping(size_t n, const double *w, double tolerance, size_t most) {
     double sum = 0.0, left = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -71,13 +72,13 @@ static size_t worth_keeping(size_t n, const double *w, double tolerance, size_t 
     return n - first < most ? n - first : most;
 }
 
-/* columns[rows count] = u z / sqrt(w) of the count largest. */
+/* columns[rows count] = u z / sqrt(w) for the count largest eigenvalues. */
 static void combine(size_t rows, size_t n, const double *u, double *z, const double *w, size_t count,
                     double *columns) {
     for (size_t j = n - count; j < n; j++)
         for (size_t i = 0; i < n; i++)
             z[j * n + i] /= sqrt(w[j]);
-    /* the most important first */
+    /* largest first */
     for (size_t j = 0; j < count / 2; j++)
         for (size_t i = 0; i < n; i++) {
             double swap = z[(n - 1 - j) * n + i];
@@ -87,13 +88,13 @@ static void combine(size_t rows, size_t n, const double *u, double *z, const dou
     dense_product(rows, count, n, u, z + (n - count) * n, columns);
 }
 
-/* v += scale u */
+/* v += scale u. */
 static void add(size_t n, double scale, const double *u, double *v) {
     for (size_t k = 0; k < n; k++)
         v[k] += scale * u[k];
 }
 
-/* Gram and Schmidt once more in K, against rounding; stiff[3 n_nodes] is scratch. */
+/* A second Gram-Schmidt pass in K, against rounding; stiff[3 n_nodes] is scratch. */
 static void orthonormalize(const palp_network *net, size_t count, double *columns, double *stiff) {
     size_t n3 = 3 * net->n_nodes;
     for (size_t j = 0; j < count; j++) {
@@ -106,7 +107,7 @@ static void orthonormalize(const palp_network *net, size_t count, double *column
     }
 }
 
-/* Shapes of the samples: columns[3 n_nodes *count]. */
+/* POD modes of the samples: columns[3 n_nodes *count]. */
 static palp_status proper_modes(const palp_network *net, size_t n, const double *u, double tolerance,
                                 size_t most, double *columns, size_t *count) {
     size_t n3 = 3 * net->n_nodes;
@@ -138,8 +139,8 @@ static double distance_to_tool(const palp_tool *tool, const double x[3]) {
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - tool->radius_m;
 }
 
-/* Free coordinates of the surface nodes that a tool came within an element's length of, into list (if not
- * NULL). */
+/* Free coordinates of surface nodes within an element's length of a tool, into list unless NULL; returns
+ * their number. */
 static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
                       size_t *list) {
     size_t n_triangles = palp_mesh_triangle_count(net->mesh), n = 0;
@@ -165,8 +166,9 @@ static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *c
     return n;
 }
 
-/* What unit loads at the coordinates list[n] do beyond the count columns there are: their compliance e' K^-1
- * e less what the columns hold of it, its largest eigenvectors. Appends at most `most` columns. */
+/* Appends at most `most` columns: the response to unit loads at the coordinates list[n] that the count
+ * columns do not span. These are the largest eigenvectors of the compliance e' K^-1 e less that of the
+ * columns. */
 static palp_status static_modes(palp_network *net, size_t n, const size_t *list, size_t most, double *columns,
                                 size_t *count) {
     size_t n3 = 3 * net->n_nodes;
@@ -179,7 +181,8 @@ static palp_status static_modes(palp_network *net, size_t n, const size_t *list,
         linsys_solve(net->ls, net->dx);
         for (size_t k = 0; k < n3; k++)
             u[k] = net->dof[k] < 0 ? 0.0 : net->dx[net->dof[k]];
-        for (size_t j = 0; j < *count; j++) /* <answer, column> in K is the column at the load */
+        for (size_t j = 0; j < *count;
+             j++) /* the K product of answer and column is the column's value at the load */
             add(n3, -columns[j * n3 + list[i]], columns + j * n3, u);
     }
     for (size_t i = 0; !status && i < n; i++)
@@ -196,7 +199,7 @@ static palp_status static_modes(palp_network *net, size_t n, const size_t *list,
     return status;
 }
 
-/* rows[3 n_nodes count] of columns[count 3 n_nodes]. */
+/* rows[3 n_nodes count]: the transpose of columns[count 3 n_nodes]. */
 static void by_rows(size_t n3, size_t count, const double *columns, double *rows) {
     for (size_t j = 0; j < count; j++)
         for (size_t i = 0; i < n3; i++)

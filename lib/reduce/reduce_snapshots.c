@@ -1,4 +1,4 @@
-/* reduce_snapshots.c: what the full network does on a path. */
+/* reduce_snapshots.c: snapshots of the full network on a path. */
 #include "base/file.h"
 #include "reduce_internal.h"
 
@@ -47,7 +47,7 @@ static bool path_sound(const palp_tool_path *path) {
     return path->n > 0;
 }
 
-/* What a recording works with. */
+/* Objects that record snapshots. */
 typedef struct recorder {
     palp_network *net;
     palp_realtime *realtime; /* or NULL */
@@ -56,8 +56,8 @@ typedef struct recorder {
     palp_tool_force *force; /* [n_tools] */
 } recorder;
 
-/* To equilibrium; with the kept factor where there is one, which is much faster for large networks. What does
- * not converge so is left to Newton. */
+/* Solves for equilibrium, with the kept factor if there is one, which is much faster for large networks.
+ * Newton's iteration follows if that does not converge. */
 static palp_status step(const recorder *rec, double depth, double dt) {
     const palp_budget budget = {.corrections = CORRECTIONS};
     palp_tick_info info;
@@ -73,7 +73,7 @@ static palp_status step(const recorder *rec, double depth, double dt) {
     return status ? status : palp_network_step(rec->net, depth, dt, NULL);
 }
 
-/* One sample: the tools' poses, a step, what came of it. */
+/* Records one sample: sets the tools, makes a step, stores the result. */
 static palp_status record_sample(const recorder *rec, palp_snapshots *t, size_t i) {
     palp_network *net = rec->net;
     double since = i ? t->time[i - 1] : 0.0;
@@ -126,7 +126,7 @@ palp_status palp_snapshots_record(palp_network *net, palp_realtime *realtime, co
     palp_status status = t && rec.force && rec.saved ? PALP_OK : PALP_ERR_NO_MEMORY;
     palp_network_reset(net);
     if (realtime)
-        palp_realtime_reset(realtime); /* where it fails the factor in use still serves */
+        palp_realtime_reset(realtime); /* if that fails, the factor in use stays */
     if (!status)
         status = record(&rec, path, observer, user, t, error);
     free(rec.force);

@@ -1,13 +1,14 @@
-/* reduce_step.c: one time step of a reduced model: Newton with a tangent that is renewed bit by bit. */
+/* reduce_step.c: one time step of a reduced model: Newton with a tangent that is renewed in parts. */
 #include "base/dense.h"
 #include "reduce_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double SLOW = 0.3;      /* a kept tangent that contracts less is renewed at once */
-static const double SHORTEST = 0.02; /* line search */
-enum { TICKS = 24 };                 /* in so many steps the tangent is renewed, a share in each */
+static const double SLOW =
+    0.3; /* a kept tangent that reduces the residual less than to this share is renewed at once */
+static const double SHORTEST = 0.02; /* shortest step of the line search */
+enum { TICKS = 24 };                 /* number of steps in which the tangent is renewed, a share in each */
 
 static void renew_stiffness(palp_reduced *r) {
     memset(r->stiffness, 0, r->modes * r->modes * sizeof *r->stiffness);
@@ -16,7 +17,8 @@ static void renew_stiffness(palp_reduced *r) {
     r->refreshed = 0;
 }
 
-/* A share of the next tangent, from the state just reached; it takes over when all of it is there. */
+/* Computes a share of the next tangent from the present state; the tangent is replaced when all shares are
+ * there. */
 static void refresh_share(palp_reduced *r) {
     size_t share = (r->n_elements + TICKS - 1) / TICKS, to = r->refreshed + share;
     if (r->refreshed == 0)
@@ -32,7 +34,7 @@ static void refresh_share(palp_reduced *r) {
     }
 }
 
-/* Elements and tools at next; the residual, and below what it is converged. */
+/* Evaluates elements and tools at next; gives the residual and the norm at which it is converged. */
 static bool evaluate(palp_reduced *r, double *drive, double *residual, double *scale) {
     if (!reduced_evaluate(r, drive))
         return false;
@@ -49,14 +51,14 @@ static bool evaluate(palp_reduced *r, double *drive, double *residual, double *s
     return true;
 }
 
-/* The kept tangent with the tools' own into factor. */
+/* Copies the kept tangent to factor and adds that of the tools. */
 static void tangent(palp_reduced *r) {
     memcpy(r->factor, r->stiffness, r->modes * r->modes * sizeof *r->factor);
     if (r->surface)
         reduced_contact_stiffness(r, r->factor);
 }
 
-/* Factors it; L D L' where it is not positive definite. */
+/* Factors the tangent, as L D L' if it is not positive definite. */
 static palp_status factor(palp_reduced *r) {
     tangent(r);
     r->definite = dense_cholesky(r->modes, r->factor);
@@ -80,7 +82,7 @@ typedef struct progress {
     int iterations;
 } progress;
 
-/* Along dq; a kept tangent gets the full step only. */
+/* Moves along dq; with a kept tangent tries the full step only. */
 static bool advance(palp_reduced *r, bool kept, progress *p) {
     double before = p->residual;
     for (double alpha = 1.0; alpha >= SHORTEST; alpha *= 0.5) {
@@ -119,7 +121,7 @@ static palp_status newton(palp_reduced *r, progress *p) {
     return PALP_OK;
 }
 
-/* From the last state, extrapolated if asked, to equilibrium. */
+/* Solves from the last state, extrapolated if asked. */
 static palp_status solve(palp_reduced *r, double share, progress *p) {
     enum { ROUNDS = 5 };
     palp_status status = PALP_OK;
@@ -135,7 +137,8 @@ static palp_status solve(palp_reduced *r, double share, progress *p) {
                                                              : PALP_ERR_COLLAPSED;
 }
 
-/* How far beyond its range in the snapshots a coordinate is, in widths of it; the large coordinates count. */
+/* How far a coordinate is outside its range in the snapshots, in widths of that range; large coordinates
+ * count. */
 static double outside(const palp_reduced *r) {
     double beyond = 0.0, width = 0.0;
     for (size_t i = 0; i < r->modes; i++)
@@ -147,7 +150,7 @@ static double outside(const palp_reduced *r) {
     return by > 0.0 ? fmax(beyond, travel > 0.0 ? by / travel : INFINITY) : beyond;
 }
 
-/* What the bound says, of the largest force so far, or of what is usual on such paths. */
+/* The relative bound times the largest force so far, or times that usual on such paths. */
 static double expected_error(const palp_reduced *r, double beyond) {
     const palp_reduced_summary *s = &r->summary;
     return isinf(s->bound) ? INFINITY : s->bound * (1.0 + beyond) * fmax(r->peak, s->held_out_peak_N);

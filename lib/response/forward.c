@@ -1,4 +1,4 @@
-/* forward.c: the forward model of a recording: parameters in one vector, and the run of the whole chain. */
+/* forward.c: forward model of a recording: all parameters in one vector, and the run of the whole chain. */
 #include "base/file.h"
 #include "forward_internal.h"
 
@@ -120,21 +120,20 @@ static double mean_velocity(const palp_forward_run *run, size_t i) {
     return (run->depth_m[i + 1] - run->depth_m[i]) / (run->time_s[i + 1] - run->time_s[i]);
 }
 
-/* What is before at one neighbour of sample i and after at the other, or half way to each, at the sample
- * itself. */
+/* Value at sample i of what is before at one neighbour and after at the other, or half way to each. */
 static double between(const palp_forward_run *run, size_t i, double before, double after) {
     const double *t = run->time_s, share = (t[i] - t[i - 1]) / (t[i + 1] - t[i - 1]);
     return before + share * (after - before);
 }
 
-/* Of the parabola through sample i and its neighbours. */
+/* Velocity of the parabola through sample i and its neighbours. */
 static double parabola_velocity(const palp_forward_run *run, size_t i) {
     return between(run, i, mean_velocity(run, i - 1), mean_velocity(run, i));
 }
 
-/* What the parabolas of both neighbours make of it tells how the speed bends: of even samples it is that of
- * the quartic through five. It stays between what it is on either side: where a path comes to rest at once it
- * does not swing over. */
+/* Corrects the parabola's velocity by those of both neighbours; for even samples this is the quartic through
+ * five. The result stays between the velocities on both sides, so it does not overshoot where a path stops
+ * abruptly. */
 static double velocity_at(const palp_forward_run *run, size_t i) {
     if (run->n < 2)
         return 0.0;
@@ -148,8 +147,8 @@ static double velocity_at(const palp_forward_run *run, size_t i) {
     return fmin(fmax(come, go), fmax(fmin(come, go), (4.0 * parabola - around) / 3.0));
 }
 
-/* Where the instrument is at sample i: its velocity, and the acceleration of the parabola through it and its
- * neighbours, at the ends none. */
+/* Motion of the instrument at sample i: its velocity, and the acceleration of the parabola through the sample
+ * and its neighbours, 0 at the ends. */
 effect_moment forward_moment(const palp_forward_run *run, size_t i) {
     const double *t = run->time_s, *d = run->depth_m;
     effect_moment m = {.time = t[i],
@@ -218,7 +217,7 @@ palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
     return PALP_OK;
 }
 
-/* The plate to sample i, in as many parts as the run asks for. */
+/* Moves the plate to sample i, in as many parts as the run requires. */
 static palp_status move_to(forward_plate *plate, const palp_forward_run *run, size_t i, double velocity) {
     const size_t parts = i && run->parts > 1 ? run->parts : 1;
     palp_status status = PALP_OK;

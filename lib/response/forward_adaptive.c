@@ -1,6 +1,7 @@
-/* forward_adaptive.c: a run of a network solved at chosen samples. Between them the force on the plate is a
- * cubic in time, set right by the tangent for what the recorded depth differs from its own cubic; the sensor
- * reads every sample. Where the plate meets, pulls or leaves the specimen every sample is solved. */
+/* forward_adaptive.c: a run of a network solved at adaptive samples. Between them the plate's force is a
+ * cubic in time. The tangent corrects it for the difference between the recorded depth and the depth's own
+ * cubic. The sensor reads every sample. Where the plate meets, pulls or leaves the specimen, every sample is
+ * solved. */
 #include "base/file.h"
 #include "base/statistics.h"
 #include "data/segments_internal.h"
@@ -10,30 +11,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double GROWTH = 0.22; /* step over the time since the last corner or contact */
-static const double REACH = 0.08;  /* step of depth over the deepest; */
+static const double GROWTH = 0.22; /* step relative to the time since the last corner or contact */
+static const double REACH = 0.08;  /* step of depth relative to the largest depth; */
 static const double REACH_DAMAGED =
-    0.02; /* of springs that are damaged: they bend the force at their old peaks */
-static const double STRAIGHT = 5e-4,
-                    ROUGH = 3e-3; /* of the deepest: a path within one, with noise the other, is straight */
+    0.02; /* the same for damaged springs, whose force has kinks at former peaks */
+static const double
+    STRAIGHT = 5e-4,
+    ROUGH = 3e-3; /* relative to the largest depth: deviation of a straight path, without and with noise */
 
 typedef struct adaptive {
     const palp_forward_run *run;
     forward_network *network;
     forward_plate plate, kept;
-    size_t n_columns, block;     /* block: doubles of the plate's rows */
-    size_t n, *at;               /* [run->n] samples solved */
-    unsigned char *end, *corner; /* [run->n] solved samples over which nothing is interpolated; samples */
-    double *force, *slope,
-        *row;             /* [run->n], [run->n], [run->n n_columns] of the solved samples, on the plate */
-    size_t gone;          /* a plate that lets go from this sample on does not come back */
-    double *plate_rows;   /* [block] kept */
-    double reach, stride; /* deepest; longest step of depth */
+    size_t n_columns, block; /* block: size in doubles of the plate's rows */
+    size_t n, *at;           /* [run->n] samples solved */
+    unsigned char *end,
+        *corner; /* [run->n] solved samples with no interpolation behind them; samples at corners */
+    double *force, *slope, *row; /* [run->n], [run->n], [run->n n_columns] at solved samples, on the plate */
+    size_t gone;                 /* a plate that lets go from this sample on does not return */
+    double *plate_rows;          /* [block] copy of the plate's rows */
+    double reach, stride;        /* largest depth; longest step of depth */
 } adaptive;
 
 /* ---- corners ---- */
 
-/* The sample between a and b farthest from the straight line, and how far. */
+/* The sample between a and b farthest from the straight line, and its distance. */
 static size_t farthest(const palp_forward_run *run, size_t a, size_t b, double *off) {
     const double *t = run->time_s, *d = run->depth_m, rate = (d[b] - d[a]) / (t[b] - t[a]);
     size_t worst = a + 1;
@@ -48,9 +50,9 @@ static size_t farthest(const palp_forward_run *run, size_t a, size_t b, double *
     return worst;
 }
 
-/* How far a straight path may be off: some sds of the encoder's noise, by the median second difference. */
+/* Allowed distance from a straight path: some sds of the encoder's noise, by the median second difference. */
 static double straightness(const adaptive *k) {
-    double *bend = k->force, low = STRAIGHT * k->reach; /* not needed yet */
+    double *bend = k->force, low = STRAIGHT * k->reach; /* used as scratch */
     size_t n = k->run->n;
     if (n < 3)
         return low;
@@ -58,8 +60,8 @@ static double straightness(const adaptive *k) {
     return fmin(fmax(low, 3.0 * statistics_median(bend, n - 2)), ROUGH * k->reach);
 }
 
-/* Grows a straight piece from each corner while a line through its first sample passes all others closely;
- * the next corner is the sample farthest from the chord. */
+/* Extends a straight piece from each corner while a line through its first sample passes all others closely.
+ * The next corner is the sample farthest from the line between its ends. */
 static void find_corners(adaptive *k) {
     const palp_forward_run *run = k->run;
     const double *t = run->time_s, *d = run->depth_m, close = straightness(k);
@@ -79,7 +81,7 @@ static void find_corners(adaptive *k) {
 
 /* ---- solving ---- */
 
-/* The next sample to solve after i; grade: where the steps began to grow. */
+/* The next sample to solve after i; grade: start of the growth of steps. */
 static size_t next_sample(const adaptive *k, size_t i, size_t grade) {
     const double *t = k->run->time_s, *d = k->run->depth_m;
     size_t j = i + 1;
@@ -120,7 +122,7 @@ static void go_back(adaptive *k) {
     forward_network_back(k->network);
 }
 
-/* Samples from i + 1 to j, each solved. */
+/* Solves every sample from i + 1 to j. */
 static palp_status every_sample(adaptive *k, size_t i, size_t j) {
     palp_status status = PALP_OK;
     k->end[k->n - 1] = 1;
@@ -132,8 +134,8 @@ static palp_status every_sample(adaptive *k, size_t i, size_t j) {
     return status;
 }
 
-/* The last straight piece into the air, in which all the rest of the run is: the plate is ahead of the
- * surface, which comes ever more slowly. */
+/* The last straight piece into the air, if it lasts to the end of the run. The plate is then ahead of the
+ * surface, which slows down. */
 static size_t find_gone(const adaptive *k) {
     size_t i = k->run->n;
     for (; i > 0; i--) {
@@ -148,7 +150,7 @@ static size_t find_gone(const adaptive *k) {
     return i;
 }
 
-/* Apart, pressed, or pulled on a bond. */
+/* State of the contact: apart, pressed, or pulled on a bond. */
 static int state_of(const forward_plate *plate) {
     return !plate->touching ? 0 : plate->bond == 0.0 ? 1 : 2;
 }
@@ -186,9 +188,9 @@ static palp_status solve(adaptive *k, palp_error *error) {
     return PALP_OK;
 }
 
-/* ---- reading ---- */
+/* ---- interpolation ---- */
 
-/* The solved samples around the interval from q on that are interpolated, and their weights at sample i. */
+/* The solved samples for interpolation in the interval from q on, and their weights at sample i. */
 static size_t stencil(const adaptive *k, size_t q, size_t i, size_t *first, double weight[4]) {
     const double *t = k->run->time_s;
     size_t a = k->end[q] ? q : q - 1, b = k->end[q + 1] || q + 2 == k->n ? q + 1 : q + 2;
@@ -203,14 +205,14 @@ static size_t stencil(const adaptive *k, size_t q, size_t i, size_t *first, doub
     return b - a + 1;
 }
 
-/* Force on the plate at sample i, which solved sample q precedes or is, and its derivatives. */
+/* Force on the plate at sample i and its derivatives; q is the last solved sample at or before i. */
 static double plate_force(const adaptive *k, size_t q, size_t i, double *force_p) {
     double weight[4], force = 0.0, depth = 0.0;
     size_t first, n = k->n_columns;
     memset(force_p, 0, n * sizeof *force_p);
     if (k->at[q] == i)
         memcpy(force_p, k->row + q * n, n * sizeof *force_p);
-    if (k->at[q] == i || q + 1 == k->n) /* the last: left for good */
+    if (k->at[q] == i || q + 1 == k->n) /* at the last one the plate has left finally */
         return k->at[q] == i ? k->force[q] : 0.0;
     size_t count = stencil(k, q, i, &first, weight);
     for (size_t u = 0; u < count; u++) {

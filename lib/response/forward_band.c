@@ -1,11 +1,11 @@
-/* forward_band.c: how well a model knows the force it gives. */
+/* forward_band.c: the uncertainty of a model's force. */
 #include "base/file.h"
 #include "forward_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Variance of the force at sample i: g' C g with the derivatives by the first m parameters, columns of n. */
+/* Variance of the force at sample i: g' C g with its derivatives by the first m parameters, columns of n. */
 static double variance_at(const double *gradient, const double *covariance, size_t n, size_t m, size_t i) {
     double sum = 0.0;
     for (size_t a = 0; a < m; a++)

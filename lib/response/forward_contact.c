@@ -1,31 +1,30 @@
-/* forward_contact.c: the plate and the specimen's surface: pressed, let go, left to itself, met again. */
+/* forward_contact.c: the plate and the specimen's surface: pressed, released, moving freely, met again. */
 #include "forward_plate.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A surface left alone is followed in steps of EARLY of the shortest relaxation time, or of the samples' step
- * if that is longer, as what relaxes faster is in equilibrium within it; later of LATER of the time since it
- * was left. They are rounded down to powers of two so that parameters do not move them; LATER times a whole
+/* A free surface is followed in steps of EARLY times the shortest relaxation time, or of the sample interval
+ * if that is longer: faster arms are in equilibrium. Later steps are LATER times the time since release.
+ * Steps are rounded down to powers of two so that they do not depend on parameters. LATER times a whole
  * number of steps is never such a power. */
 static const double EARLY = 0.1, LATER = 0.047;
-static const double AT_ONCE = 4e-15; /* share of a step after its start: no earlier one can be told from it */
-static const double STRAIN_LOW = -0.95, STRAIN_HIGH = 0.999; /* where implicit strains are looked for */
+static const double AT_ONCE = 4e-15; /* smallest share of a step that is distinguishable from its start */
+static const double STRAIN_LOW = -0.95, STRAIN_HIGH = 0.999; /* range of the search for implicit strains */
 enum {
     EVENTS = 8
-}; /* most events in one step: more would be rounding's; from half of them on a bond parts at its strongest
-      pull */
+}; /* most events in one step, more would be rounding; after half of them a bond breaks at its largest pull */
 
 /* ---- pressed ---- */
 
 typedef struct equation {
     const forward_plate *plate;
-    double share, force, slope; /* of the specimen, at the last strain or share asked */
+    double share, force, slope; /* of the specimen, for the last strain or share */
     double rest[2], ends[2];    /* meeting: the surface's strain at two shares */
 } equation;
 
-/* A plate on a frame that gives way: strain - forward_held(depth, force(strain)). */
+/* Equation of a plate on a compliant frame: strain - forward_held(depth, force(strain)). */
 static palp_status frame(void *user, double strain, double *value, double *slope) {
     equation *q = user;
     palp_status status = forward_ask(q->plate, strain, q->share, true, &q->force, &q->slope);
@@ -37,7 +36,7 @@ static palp_status frame(void *user, double strain, double *value, double *slope
     return PALP_OK;
 }
 
-/* The plate to the end of the step with the surface on it: strain and force there. */
+/* Moves the plate to the end of the step with the surface on it; gives strain and force there. */
 static palp_status press(forward_plate *p, double *strain, double *force, double *slope) {
     forward_surface s = forward_held(p, 1.0, p->force);
     *strain = s.strain;
@@ -69,17 +68,19 @@ static void take_press(forward_plate *p, double strain, double force, double slo
     forward_take(p, strain, 1.0, force, p->work + n, NULL);
 }
 
-/* ---- let go ---- */
+/* ---- released ---- */
 
-/* The surface is still on a plate that pulls with all it can: -(force + adhesion), increasing with the share.
- */
+/* For a surface on a plate that pulls with the full adhesion: -(force + adhesion), which increases with the
+ * share. */
 static palp_status parting(void *user, double share, double *value, double *slope) {
     equation *q = user;
     const forward_plate *p = q->plate;
     double next, little = 1e-7;
     forward_surface s = forward_held(p, share, -p->plan->adhesion);
     double later =
-        share + little * (1.0 - p->done); /* the slope by time alone: numerically, for Newton only */
+        share +
+        little *
+            (1.0 - p->done); /* the slope by time alone, a difference quotient for Newton's method only */
     palp_status status = forward_ask(p, s.strain, later, true, &next, NULL);
     if (!status)
         status = forward_ask(p, s.strain, share, true, &q->force, &q->slope);
@@ -90,8 +91,8 @@ static palp_status parting(void *user, double share, double *value, double *slop
     return PALP_OK;
 }
 
-/* The plate lets go at minus the adhesion, which effects change themselves: adds to the derivatives of the
- * strain there and of the force beyond it. */
+/* The plate lets go at a force of minus the adhesion, an effect's parameter. Adds its contribution to the
+ * derivatives of the strain there and of the force beyond it. */
 static void add_pull(const forward_plate *p, const forward_surface *s, double *strain_p, double *force_p) {
     effect_bond bond;
     const size_t column = forward_bond_at(p, 0.0, &bond);
@@ -102,7 +103,7 @@ static void add_pull(const forward_plate *p, const forward_surface *s, double *s
         }
 }
 
-/* The share of the step at which it parts: at once, if it pulls too much already. */
+/* The share of the step at which the plate lets go; the present one if the pull is already too large. */
 static palp_status find_parting(equation *q, double *share) {
     const forward_plate *p = q->plate;
     double pull, slope, start = fmin(1.0, p->done + AT_ONCE);
@@ -112,7 +113,8 @@ static palp_status find_parting(equation *q, double *share) {
         return status;
     *share = 0.5 * (start + 1.0);
     status = forward_solve(parting, q, start, 1.0, share);
-    return status == PALP_ERR_NOT_CONVERGED ? PALP_OK : status; /* that: it parts at the very end */
+    return status == PALP_ERR_NOT_CONVERGED ? PALP_OK
+                                            : status; /* not converged: it lets go at the very end */
 }
 
 static palp_status part(forward_plate *p) {
@@ -141,7 +143,7 @@ static palp_status part(forward_plate *p) {
     return PALP_OK;
 }
 
-/* ---- left to itself, and met again ---- */
+/* ---- moving freely, and met again ---- */
 
 static palp_status free_surface(void *user, double strain, double *value, double *slope) {
     equation *q = user;
@@ -151,7 +153,7 @@ static palp_status free_surface(void *user, double strain, double *value, double
     return status;
 }
 
-/* Plate's strain less the surface's, which goes evenly between the two ends. */
+/* Strain of the plate less that of the surface, which is linear between the two ends. */
 static palp_status meeting(void *user, double share, double *value, double *slope) {
     const equation *q = user;
     const forward_plate *p = q->plate;
@@ -162,7 +164,7 @@ static palp_status meeting(void *user, double share, double *value, double *slop
     return PALP_OK;
 }
 
-/* Where the step that follows a surface on its own ends. */
+/* Share of the step to which a free surface is followed next. */
 static double next_share(const forward_plate *p) {
     double step = forward_step_time(p), now = p->time[0] + p->done * step;
     if (p->fresh || p->specimen.shortest == 0.0)
@@ -172,7 +174,7 @@ static double next_share(const forward_plate *p) {
     return share < 1.0 && share > p->done ? share : 1.0;
 }
 
-/* The plate meets the surface between done and end, where the surface would be at strain rest on its own. */
+/* The plate meets the surface between done and end, at which the free surface would have strain rest. */
 static palp_status meet(forward_plate *p, double end, double rest, const double *rest_p,
                         const double *end_p) {
     const size_t n = p->specimen.n_columns;
@@ -181,7 +183,7 @@ static palp_status meet(forward_plate *p, double end, double rest, const double 
     p->touching = true;
     p->fresh = false;
     if (forward_held(p, share, 0.0).strain >= p->strain)
-        return PALP_OK; /* there already */
+        return PALP_OK; /* already in contact */
     palp_status status = forward_solve(meeting, &q, p->done, end, &share);
     if (status)
         return status;
@@ -202,7 +204,7 @@ static palp_status meet(forward_plate *p, double end, double rest, const double 
     return status;
 }
 
-/* Follows the surface on its own for one step, or until the plate is there. */
+/* Follows the free surface for one step, or until the plate meets it. */
 static palp_status let_be(forward_plate *p) {
     const size_t n = p->specimen.n_columns;
     double end = next_share(p), rest = p->strain, force = 0.0, slope = 0.0, force_dt;
@@ -236,7 +238,7 @@ static palp_status let_be(forward_plate *p) {
 
 /* ---- the plate's motion ---- */
 
-/* The end of the last step is the start of this one. */
+/* The end of the last step becomes the start of this one. */
 static void next_step(forward_plate *p, const forward_place *to) {
     p->time[0] = p->time[1];
     p->depth[0] = p->depth[1];

@@ -1,4 +1,4 @@
-/* forward_lumped.c: the lumped specimen of the forward model with its derivatives by all parameters. */
+/* forward_lumped.c: the lumped specimen of the forward model, with derivatives by all parameters. */
 #include "forward_internal.h"
 #include "material/law_internal.h"
 
@@ -9,17 +9,17 @@
 
 enum { MODES = FORWARD_SPECTRA * EFFECT_MODES_MAX };
 
-/* Unit responses u beside the spring, du/dt + rate u = de/dt, that add weight u to the force. */
+/* Unit responses u parallel to the spring, du/dt + rate u = de/dt; each adds weight u to the force. */
 typedef struct modes {
     size_t n;
     double weight[MODES], rate[MODES];
     double decay[MODES], mean[MODES]; /* of the step: exp(-x) and (1 - exp(-x)) / x, x = rate dt */
     double weight_by[PALP_EFFECT_PARAMETERS][MODES], rate_by[PALP_EFFECT_PARAMETERS][MODES];
-    bool timed[MODES]; /* a parameter changes the rate */
-    double dt;         /* of decay and mean, to ten digits: recorded times are even but for rounding */
+    bool timed[MODES]; /* the rate depends on a parameter */
+    double dt;         /* of decay and mean, to ten digits: even samples differ by rounding */
 } modes;
 
-/* Those of one effect: [first, end). */
+/* Modes of one effect: [first, end). */
 typedef struct mode_group {
     size_t first, end, column, n_values;
 } mode_group;
@@ -42,13 +42,13 @@ struct forward_lumped {
     size_t n_groups;
     mode_group group[FORWARD_SPECTRA];
     element_step step;
-    element_steps steps; /* prepared before */
+    element_steps steps; /* prepared earlier */
     bool prepared;
     state now, next;
     slopes d;
-    bool still; /* no parameter has moved the surface so far: modes that are not timed have no slopes */
-    element_damaged spring;                    /* of the trial, where derivatives are asked for */
-    effect_number of_effect[PALP_EFFECTS_MAX]; /* of the trial's rate */
+    bool still; /* no parameter has moved the surface yet: modes without timed have no derivatives */
+    element_damaged spring;                    /* of the trial, if derivatives are needed */
+    effect_number of_effect[PALP_EFFECTS_MAX]; /* at the trial's rate */
 };
 
 /* ---- values ---- */
@@ -155,7 +155,7 @@ void forward_quasi_linear_own(const palp_law *law, const double e[2], double dri
             drive / start * (by[1][k] - by[0][k] - (elastic[1] - elastic[0]) / start * by_start[k] / small);
 }
 
-/* Slopes of arm j's force at the end of the trial, into the row, which may be where they were. */
+/* Derivatives of arm j's force at the end of the trial, into row, which may hold the old ones. */
 static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p, const double *dt_p,
                        double *row) {
     const double *old = l->d.arm + j * l->n_columns, *strain_old = l->d.strain;
@@ -186,7 +186,7 @@ static double mode_turn(const forward_lumped *l, size_t i) {
     return turn * (l->next.strain - l->now.strain) - m->decay[i] * l->now.unit[i];
 }
 
-/* The same for a mode. */
+/* Derivatives of a mode's force at the end of the trial. */
 static void mode_slopes(const forward_lumped *l, const mode_group *g, size_t i, const double *strain_p,
                         const double *dt_p, double *row) {
     const modes *m = &l->modes;
@@ -230,7 +230,7 @@ static void group_slopes(forward_lumped *l, const mode_group *g, const double *s
     }
 }
 
-/* Slopes of the trial's force; with keep those of the state become the trial's. */
+/* Derivatives of the trial's force; with keep, those of the state become the trial's. */
 static void propagate(forward_lumped *l, const double *strain_p, const double *dt_p, double *force_p,
                       bool keep) {
     const size_t n = l->n_columns;
@@ -288,7 +288,7 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
 
 /* ---- making one ---- */
 
-/* Rates of the modes beside those of the run: with 32 of them over seven decades of time a power law is exact
+/* Range of the modes' rates relative to the run's: 32 modes over seven decades of time represent a power law
  * to 1e-4. */
 static const double SLOWER = 0.07, FASTER = 70.0;
 
@@ -352,7 +352,7 @@ void forward_lumped_free(forward_lumped *l) {
     free(l);
 }
 
-/* Of the arms and modes that are there; those that are off change nothing, not even a step. */
+/* Of arms and modes that are on; those that are off change nothing, not even a step. */
 static double shortest_time(const forward_lumped *l) {
     double shortest = forward_shortest_arm(l->plan);
     for (size_t i = 0; i < l->modes.n; i++)

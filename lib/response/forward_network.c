@@ -1,5 +1,4 @@
-/* forward_network.c: the forward model of a network: its specimen, and what the effects make of its elements.
- */
+/* forward_network.c: forward model of a network: its specimen, and the effects on its elements. */
 #include "base/file.h"
 #include "forward_internal.h"
 #include "network/network_internal.h"
@@ -14,15 +13,15 @@ struct forward_network {
     element_damage damage;
     size_t n_spectra;
     forward_spectrum spectrum[FORWARD_SPECTRA];
-    bool sloped;                               /* every trial's slope is asked for */
-    bool found;                                /* slopes of the trial */
-    effect_number of_effect[PALP_EFFECTS_MAX]; /* of its rate */
-    double slope, committed;                   /* of the trial, of the state: d force / d surface strain */
-    double strain, peak[2]; /* surface strain of the trial; its largest so far, and that kept */
+    bool sloped;                               /* the slope of every trial is needed */
+    bool found;                                /* the slopes of this trial are known */
+    effect_number of_effect[PALP_EFFECTS_MAX]; /* at the trial's rate */
+    double slope, committed;                   /* d force / d surface strain: of the trial; of the state */
+    double strain, peak[2]; /* surface strain of the trial; its largest so far, and a copy */
     double *peak_p[2];      /* [n_columns] derivatives of peak */
-    double rest, *rest_p;   /* surface strain before it is touched */
+    double rest, *rest_p;   /* surface strain before contact */
     double *weight;         /* [n_elements] of the trial */
-    forward_slopes *slopes; /* NULL: no derivatives */
+    forward_slopes *slopes; /* NULL without derivatives */
 };
 
 static palp_status attempt(void *self, const forward_move *move, double *force, double *slope) {
@@ -43,7 +42,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     return status;
 }
 
-/* Once a trial: most are asked for their force only. */
+/* Computed on demand: most trials need their force only. */
 static void find_slopes(forward_network *p) {
     if (!p->found)
         forward_slopes_find(p->slopes, p->weight, p->slope / p->net->height, p->of_effect);
@@ -95,8 +94,8 @@ double forward_network_slope(const forward_network *p) {
     return p->committed;
 }
 
-/* The relaxation modulus of an effect as arms of the elements, as many as there is room for, over the times
- * that the steps can tell. */
+/* An effect's relaxation modulus as arms of the elements: as many as fit, over the times that the steps
+ * resolve. */
 static palp_status add_spectrum(forward_network *f, forward_plan *plan, const forward_effect *from,
                                 size_t room, double shortest, double whole, palp_error *error) {
     if ((effect_is_off(from->effect) && !f->sloped) || whole == 0.0)
@@ -130,8 +129,8 @@ static palp_status add_spectra(forward_network *f, forward_plan *plan, double sh
     return status;
 }
 
-/* The effect that lets the nodes at the plates slide, NULL: they are held fast. A foundation that is fast has
- * derivatives only as a limit. */
+/* The effect that lets nodes at the plates slide, or NULL: they are fixed. The derivatives of full support
+ * exist only as a limit. */
 static const forward_effect *slip_of(const forward_network *f) {
     for (size_t i = 0; i < f->plan->n_effects; i++)
         if (f->plan->effect[i].row->foundation && (f->sloped || !effect_is_off(f->plan->effect[i].effect)))
@@ -154,7 +153,7 @@ static palp_status make_network(const forward_network *f, const palp_network_set
     palp_model model = *f->plan->model;
     palp_support supports[2];
     model.material = f->plan->material;
-    model.n_effects = 0; /* they are in the plan */
+    model.n_effects = 0; /* the plan has them */
     palp_supports_default(supports);
     for (size_t i = 0; i < 2 && slip_of(f); i++)
         supports[i].axis[0] = supports[i].axis[2] = PALP_FREE;
@@ -238,10 +237,10 @@ void palp_load_history_free(palp_load_history *history) {
     history->peak = 0.0;
 }
 
-static const double LONG = 1e9; /* s, after which arms have forgotten */
+static const double LONG = 1e9; /* s, after which all arms are relaxed */
 
 static palp_status move_to(forward_network *f, double strain, double dt, const double *strain_p) {
-    double force, *force_p = f->peak_p[1]; /* nothing is kept yet */
+    double force, *force_p = f->peak_p[1]; /* nothing is kept there yet */
     const forward_move move = {strain, dt, 0.0};
     palp_status status = attempt(f, &move, &force, NULL);
     if (!status)
@@ -249,7 +248,7 @@ static palp_status move_to(forward_network *f, double strain, double dt, const d
     return status;
 }
 
-/* Largest strains of the elements of one that was pressed slowly; what it was pressed to has no derivatives
+/* Largest strains of the elements after an earlier slow press. The strain of that press has no derivatives
  * here. */
 static palp_status press_before(forward_network *f, double strain) {
     enum { STEPS = 16 };
@@ -269,7 +268,7 @@ static palp_status press_before(forward_network *f, double strain) {
     return status;
 }
 
-/* The specimen lies where the permanent set left its surface, and its arms have forgotten. */
+/* Puts the specimen at the strain of its permanent set, with relaxed arms. */
 static palp_status lie_down(forward_network *f) {
     const double set = f->plan->damage.set;
     f->rest = set * f->peak[0];

@@ -1,4 +1,5 @@
-/* forward_network_run.c: recordings of a network: every sample solved, or chosen ones with derivatives. */
+/* forward_network_run.c: recordings of a network: every sample solved, or adaptive samples with
+ * derivatives. */
 #include "base/file.h"
 #include "forward_internal.h"
 

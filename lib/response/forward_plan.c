@@ -1,4 +1,4 @@
-/* forward_plan.c: sorts a model's effects into what the forward model has to do. */
+/* forward_plan.c: sorts a model's effects by what they change in the forward model. */
 #include "base/file.h"
 #include "forward_internal.h"
 #include "model/model_internal.h"
@@ -29,7 +29,7 @@ static palp_status add_arm(forward_plan *plan, const double *value, size_t colum
     return PALP_OK;
 }
 
-/* Into its place by stage. */
+/* Inserts the effect in the order of stages. */
 static palp_status add_effect(forward_plan *plan, size_t i, palp_error *error) {
     const palp_effect *effect = &plan->model->effects[i];
     const effect_row *row = effect_row_of(effect->id);
@@ -92,7 +92,7 @@ size_t forward_arm_slopes(const forward_plan *plan, size_t j, forward_arm_slope 
     return n;
 }
 
-/* What the effects make of the material. */
+/* Applies the effects on the material. */
 static void change_material(forward_plan *plan) {
     plan->damage.sharpness = 1.0;
     for (size_t i = 0; i < plan->n_effects; i++) {

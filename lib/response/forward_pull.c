@@ -1,9 +1,10 @@
-/* forward_pull.c: a plate that pulls a surface which lags behind it on a bond, until it lets go. */
+/* forward_pull.c: a plate that pulls a surface on a bond behind it, until it lets go. */
 #include "forward_plate.h"
 
 #include <math.h>
 
-static const double CLOSE = 1e-8; /* of the reach: a step of Newton after which the surface has been found */
+static const double CLOSE =
+    1e-8; /* relative to the reach: Newton's step at which the surface's place is accepted */
 
 size_t forward_bond_at(const forward_plate *p, double gap, effect_bond *bond) {
     size_t column = 0;
@@ -18,9 +19,9 @@ size_t forward_bond_at(const forward_plate *p, double gap, effect_bond *bond) {
     return column;
 }
 
-/* The surface lags behind the plate so far that the bond pulls it with the specimen's force: of several
- * places the nearest, which Newton's steps from there approach from one side, as the bond's stiffness falls
- * with the gap. ERR_NOT_CONVERGED: there is none, the plate lets go. */
+/* Finds the distance at which the bond's pull is the specimen's force; of several the nearest. Newton's
+ * method approaches it from one side, as the bond's stiffness falls with the gap. ERR_NOT_CONVERGED: none,
+ * the plate lets go. */
 static palp_status cling(const forward_plate *p, double *strain, double *force, double *slope) {
     enum { STEPS = 100 };
     const double height = p->specimen.height;
@@ -42,9 +43,8 @@ static palp_status cling(const forward_plate *p, double *strain, double *force, 
         move = fmax(-0.5 * reach, fmin(0.5 * reach, move));
         at += move;
         *strain = at;
-        if (fabs(move) <=
-            CLOSE *
-                reach) /* a network's force is no better known; Newton's next step is the square of that */
+        if (fabs(move) <= CLOSE * reach) /* no more exact than a network's force; Newton's next step would be
+                                            the square of this */
             return forward_ask(p, at, 1.0, true, force, slope);
     }
     return PALP_ERR_NOT_CONVERGED;

@@ -1,5 +1,5 @@
-/* forward_slopes.c: derivatives of a network's force by all parameters of the model, carried through its
- * steps: what each of them changes itself. */
+/* forward_slopes.c: derivatives of a network's force by all parameters, carried from step to step: the direct
+ * changes by each parameter. */
 #include "forward_internal.h"
 #include "step_slopes.h"
 
@@ -7,22 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The columns of step are all of the model's. */
+/* The columns of step are all parameters of the model. */
 struct forward_slopes {
     const forward_plan *plan;
     step_slopes step;
     size_t n_spectra;
     const forward_spectrum *spectrum;
-    unsigned char *alive; /* [n] the column has moved an element, or may do so itself */
+    unsigned char *alive; /* [n] the parameter has moved an element, or may change one */
     double *kept;         /* [n_state] a copy of the state */
     double *by_time;      /* [m] of the element force */
     double *row;          /* [n] scratch */
     double stiffness;
 };
 
-/* ---- what a parameter changes itself ---- */
+/* ---- direct changes by a parameter ---- */
 
-/* Whether it changes an element or what holds the nodes, and not what stands around the specimen. */
+/* Does it change elements or supports, and not only the instrument? */
 static bool may_move(const forward_slopes *s, const effect_row *row) {
     return row->arm || row->arms || row->spring || row->history || row->spectrum ||
            (row->foundation && network_foundation(s->step.net));
@@ -39,7 +39,7 @@ static void find_alive(forward_slopes *s) {
     }
 }
 
-/* partial = the springs' own, nodes and histories held. */
+/* partial = direct changes of the springs, at fixed nodes and histories. */
 static void spring_partials(forward_slopes *s, const effect_number *of_effect) {
     step_slopes *step = &s->step;
     const palp_network *net = step->net;
@@ -179,7 +179,7 @@ void forward_slopes_advance(forward_slopes *s, const double *strain_p, const dou
     }
 }
 
-/* ---- making them ---- */
+/* ---- construction ---- */
 
 palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, size_t n_spectra,
                                   const forward_spectrum *spectrum, forward_slopes **slopes) {

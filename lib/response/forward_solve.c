@@ -1,14 +1,14 @@
-/* forward_solve.c: the zero of an increasing function, by Newton kept in a bracket. */
+/* forward_solve.c: zero of an increasing function, by Newton's method in a bracket. */
 #include "forward_internal.h"
 
 #include <math.h>
 
-/* A Newton step this short leaves an error of about its square; a bracket this narrow is rounding's. */
+/* The error after so short a Newton step is about its square; so narrow a bracket is rounding. */
 static const double CLOSE = 1e-10, NARROW = 4e-15;
 
 palp_status forward_solve(forward_equation *equation, void *user, double low, double high, double *x) {
     double value, slope, next;
-    bool below = false, above = false; /* the zero, at low and at high: known once they were asked */
+    bool below = false, above = false; /* has the function been below 0 at low, above 0 at high? */
     for (int i = 0; i < 200; i++, *x = next) {
         palp_status status = equation(user, *x, &value, &slope);
         if (status || value == 0.0)

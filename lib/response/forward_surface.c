@@ -1,4 +1,4 @@
-/* forward_surface.c: from the encoder to the specimen's surface, and what is asked of the specimen there. */
+/* forward_surface.c: from the encoder to the specimen's surface, and trials of the specimen there. */
 #include "forward_plate.h"
 
 #include <string.h>
@@ -68,7 +68,7 @@ palp_status forward_ask(const forward_plate *p, double strain, double share, boo
     return PALP_OK;
 }
 
-/* Adds what the effects that age the specimen change of a force themselves. */
+/* Adds the direct changes of a force by the parameters of ageing. */
 static void add_ageing(const forward_plate *p, double force, double *force_p) {
     for (size_t i = 0; i < p->plan->n_effects; i++) {
         const forward_effect *f = &p->plan->effect[i];
@@ -88,7 +88,7 @@ void forward_hold(const forward_plate *p, double force, double *force_p, double 
 void forward_take(forward_plate *p, double strain, double share, double force, const double *strain_p,
                   const double *share_p) {
     const size_t n = p->specimen.n_columns;
-    double *dt_p = p->work; /* the first row: nothing else is kept there across a take */
+    double *dt_p = p->work; /* the first row: free between two calls of forward_take */
     bool timed = false;
     for (size_t k = 0; k < n; k++) {
         dt_p[k] = ((share_p ? share_p[k] : 0.0) - p->done_p[k]) * forward_step_time(p);

@@ -1,4 +1,4 @@
-/* specimen.c: a model pressed step by step: the plate, the specimen and the sensor of the forward model. */
+/* specimen.c: a model pressed step by step, with the plate, specimen and sensor of the forward model. */
 #include <palpate/specimen.h>
 
 #include "base/file.h"
@@ -7,18 +7,18 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double TABLE = 0.95; /* strain at which the plate meets what the specimen lies on */
+static const double TABLE = 0.95; /* strain at which the plate meets the table below the specimen */
 
 struct palp_specimen {
     palp_model model;
     palp_specimen_settings settings;
     forward_plan plan;
-    forward_lumped *lumped; /* one of the two */
+    forward_lumped *lumped; /* the other one is NULL */
     forward_network *network;
-    forward_specimen body; /* the same, without the table */
+    forward_specimen body; /* without the table */
     forward_plate plate;
     forward_sensor sensor;
-    double time_s; /* since it was made */
+    double time_s; /* since creation */
     bool sensed;
     double sensed_s, sensed_N; /* the last reading */
 };
@@ -38,7 +38,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     palp_status status = s->body.attempt(s->body.self, &up_to, force, slope);
     if (status || beyond == 0.0)
         return status;
-    *force += table * beyond / s->plan.age; /* by which the plate will multiply: the table does not age */
+    *force += table * beyond / s->plan.age; /* the plate multiplies by age, but the table does not age */
     if (slope)
         *slope = table / s->plan.age;
     return PALP_OK;
@@ -49,7 +49,7 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
     s->body.commit(s->body.self, strain_p, dt_p, force_p);
 }
 
-/* ---- made and freed ---- */
+/* ---- created and freed ---- */
 
 static palp_status check(const palp_specimen_settings *s, palp_error *error) {
     bool good = isfinite(s->start_m) && s->scale > 0.0 && isfinite(s->scale) && s->table_N_m >= 0.0 &&
@@ -59,7 +59,7 @@ static palp_status check(const palp_specimen_settings *s, palp_error *error) {
     return good ? PALP_OK : palp_error_set(error, PALP_ERR_ARGUMENT, "settings out of their range");
 }
 
-/* The factor of the specimen's force as of now. */
+/* Updates the factor of the specimen's force to the present time. */
 static palp_status age(palp_specimen *s) {
     palp_status status = forward_plan_age(&s->plan, s->settings.session_s + s->time_s);
     s->plan.age *= s->settings.scale;

@@ -1,5 +1,5 @@
-/* step_slopes.c: derivatives carried through a network's steps: at fixed positions from the elements'
- * histories, then at equilibrium by the tangent of the step. */
+/* step_slopes.c: derivatives carried through a network's steps: first at fixed positions from the elements'
+ * histories, then at equilibrium by the step's tangent. */
 #include "step_slopes.h"
 
 #include <math.h>
@@ -88,7 +88,7 @@ double step_slopes_force(const step_slopes *s, size_t k, double stiffer) {
     return sum;
 }
 
-/* Displacement of every node by column k, the plate's own included, into net->fint. */
+/* Displacement of every node by column k, with that of the plate, into net->fint. */
 static void displace(step_slopes *s, size_t k, double stiffer, double depth_p) {
     palp_network *net = s->net;
     const double *partial = s->partial + k * s->m, *spring = network_foundation(net);

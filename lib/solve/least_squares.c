@@ -7,8 +7,8 @@
 #include <nlopt.h>
 #include <string.h>
 
-/* One descent in coordinates y, p = origin + R^-1 y, in which the Hessian of Levenberg and Marquardt is the
- * identity: the quasi-Newton method then starts with their step. */
+/* One descent in coordinates y, p = origin + R^-1 y, in which the Levenberg-Marquardt Hessian is the
+ * identity: the quasi-Newton method then starts with the Levenberg-Marquardt step. */
 typedef struct descent {
     arena memory;
     const least_squares *problem;
@@ -18,15 +18,15 @@ typedef struct descent {
     double *triangle;          /* [n_parameters n_parameters] R' = L, in rows */
     double *best_jacobian, *stacked, *tau, *work, *y;
     double best_value, best_excess, damping;
-    double nothing;            /* a value that is rounding beside that of the first guess */
-    bool overshot;             /* in the round at hand */
-    size_t evaluations, limit; /* of the round at hand */
-    size_t stalled;            /* evaluations since the best got better by stop_relative */
+    double nothing;            /* changes below this are rounding, relative to the first value */
+    bool overshot;             /* in the present round */
+    size_t evaluations, limit; /* of the present round */
+    size_t stalled;            /* evaluations since the best improved by stop_relative */
     palp_status status;
     nlopt_opt optimizer;
 } descent;
 
-/* In four sums, which do not wait for each other. */
+/* Four partial sums, which the processor adds independently. */
 static double norm2(const double *v, size_t n) {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
     size_t i = 0;
@@ -46,7 +46,7 @@ static void to_parameters(const descent *d, const double *y, double *p) {
         p[k] += d->origin[k];
 }
 
-/* By how much p misses its constraints at most, rounding aside: y mixes all parameters. */
+/* Largest violation of p's constraints beyond rounding, as y mixes all parameters. */
 static double excess(const least_squares *problem, const double *p) {
     size_t n = problem->n_parameters;
     double most = 0.0, largest = 0.0;
@@ -70,8 +70,7 @@ static void swap(double **a, double **b) {
     *b = old;
 }
 
-/* The point at hand is the best so far; its residuals and derivatives are no longer in d->r and d->jacobian.
- */
+/* Makes the present point the best so far. Its residuals and derivatives move out of d->r and d->jacobian. */
 static void keep(descent *d, double value, double miss) {
     d->best_value = value;
     d->best_excess = miss;
@@ -84,8 +83,8 @@ static bool at_best(const descent *d) {
     return memcmp(d->p, d->best, d->problem->n_parameters * sizeof *d->p) == 0;
 }
 
-/* |r|^2 / 2 at d->p, kept if it is the best, for which meeting the constraints comes first; a round ends
- * when two evaluations bring nothing. */
+/* |r|^2 / 2 at d->p. A point with smaller constraint violation or value is kept. A round ends after two
+ * evaluations without improvement. */
 static double evaluate(descent *d) {
     const least_squares *problem = d->problem;
     d->status = problem->evaluate(problem->user, d->p, d->r, d->jacobian);
@@ -113,7 +112,7 @@ static double objective(unsigned n, const double *y, double *gradient, void *use
     descent *d = user;
     size_t m = d->problem->n_residuals;
     to_parameters(d, y, d->p);
-    double value = at_best(d) ? d->best_value : evaluate(d); /* the best is the origin of a round */
+    double value = at_best(d) ? d->best_value : evaluate(d); /* a round begins at the best point */
     bool best = at_best(d);
     const double *r = best ? d->best_r : d->r, *jacobian = best ? d->best_jacobian : d->jacobian;
     if (gradient && !d->status) {
@@ -123,7 +122,7 @@ static double objective(unsigned n, const double *y, double *gradient, void *use
     return value;
 }
 
-/* floor - row . p <= 0 */
+/* Constraint values: floor - row . p <= 0. */
 static void constraints(unsigned rows, double *result, unsigned n, const double *y, double *gradient,
                         void *user) {
     descent *d = user;
@@ -144,8 +143,8 @@ static void constraints(unsigned rows, double *result, unsigned n, const double 
 
 static const double LEAST_DAMPING = 1e-6, FELT_DAMPING = 1e-2, MOST_DAMPING = 1e2;
 
-/* R of the best Jacobian, with damping times each column's own size below it, which also leaves R regular
- * where a parameter has no influence. */
+/* R of the best Jacobian with damping in proportion to its columns, which keeps R regular if a parameter has
+ * no influence. */
 static palp_status whiten(descent *d) {
     size_t n = d->problem->n_parameters, m = d->problem->n_residuals, rows = m + n;
     double largest = 0.0;
@@ -166,7 +165,7 @@ static palp_status whiten(descent *d) {
     return PALP_OK;
 }
 
-/* Bounds on p become constraints on y, which is a mixture of parameters. */
+/* Bounds on p become linear constraints on y. */
 static nlopt_result descend(descent *d) {
     const least_squares *problem = d->problem;
     double value;
@@ -205,10 +204,10 @@ static bool down_to_rounding(const descent *d) {
     return d->best_value <= d->nothing && d->best_excess == 0.0;
 }
 
-/* Descents of a few evaluations, each in fresh coordinates, until one brings nothing. One that only went
- * too far is followed by a shorter one. */
+/* Short descents, each in fresh coordinates, until one brings no improvement. After one that only overshot a
+ * shorter one follows. */
 static palp_status descend_in_rounds(descent *d, bool *converged) {
-    enum { ROUND = 2 }; /* the step, and a second one along its way or from its end */
+    enum { ROUND = 2 }; /* the step, and a second one from its end or along it */
     const least_squares *problem = d->problem;
     while (!*converged && d->evaluations < problem->max_evaluations) {
         size_t left = problem->max_evaluations - d->evaluations;

@@ -29,14 +29,14 @@ bool levenberg_step(size_t n, const double *x, const double *low, const double *
     return regular;
 }
 
-/* By how much x + step misses wall i. */
+/* Violation of constraint i by x + step. */
 static double missing(size_t n, const levenberg_walls *walls, size_t i, const double *x, const double *step) {
     const double *row = walls->row + i * n;
     return walls->least[i] - dense_dot(n, row, x) - dense_dot(n, row, step);
 }
 
-/* The least way, in units in which the matrix is 1, by the problem's dual (Lawson and Hanson 1974, chapter
- * 23, "least distance programming"). */
+/* Smallest change in the norm of the matrix, by the dual problem (Lawson and Hanson 1974, chapter 23, "least
+ * distance programming"). */
 palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const double *x, const double *factor,
                               double *step) {
     const size_t count = walls ? walls->count : 0, rows = n + 1;
@@ -75,7 +75,7 @@ palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const doub
     return status;
 }
 
-/* next = x + step, within reach and bounds. */
+/* next = x + step, clipped to reach and bounds. */
 static void move(const levenberg *p, const double *x, const double *step, double *next) {
     for (size_t i = 0; i < p->n; i++) {
         double way = fmax(-p->reach[i], fmin(p->reach[i], step[i]));

@@ -1,6 +1,5 @@
-/* levenberg.h: least squares within bounds by Levenberg and Marquardt, from normal matrices. Internal.
- * For residuals r(x) with the Jacobian J: chi2 = r'r, g = -J'r (minus half its gradient), h = J'J, by rows.
- */
+/* levenberg.h: least squares within bounds by Levenberg and Marquardt, from normal matrices. Internal. For
+ * residuals r(x) with the Jacobian J: chi2 = r'r, g = -J'r (minus half its gradient), h = J'J, by rows. */
 #ifndef LEVENBERG_H
 #define LEVENBERG_H
 
@@ -8,38 +7,37 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What must hold of x: row[n count], one condition after the other, times x is at least least[count]. */
+/* Constraints on x: each row of row[n count] times x is at least its entry of least[count]. */
 typedef struct levenberg_walls {
     size_t count;
     double *row, *least;
 } levenberg_walls;
 
 typedef struct levenberg {
-    size_t n, evaluations;        /* coordinates; of evaluate, at most */
+    size_t n, evaluations;        /* number of coordinates; limit of evaluations */
     const double *low, *high;     /* [n] bounds */
-    const levenberg_walls *walls; /* NULL: there are none */
+    const levenberg_walls *walls; /* NULL without constraints */
     const double *reach;          /* [n] the longest step of a coordinate */
-    /* It ends when an evaluation lowers chi2 by less than stop_absolute + stop_relative chi2, or raises it by
-     * less than stop_rise. */
+    /* The search ends when an evaluation lowers chi2 by less than stop_absolute + stop_relative chi2, or
+     * raises it by less than stop_rise. */
     double stop_absolute, stop_relative, stop_rise;
-    /* h[n n], g[n] and chi2 at x[n]. ERR_NO_MEMORY ends the search; another error says that x is no solution,
-     * and a shorter step is tried. */
+    /* h[n n], g[n] and chi2 at x[n]. ERR_NO_MEMORY ends the search; after any other error a shorter step is
+     * tried. */
     palp_status (*evaluate)(void *user, const double *x, double *h, double *g, double *chi2);
-    void (*keep)(void *user); /* the x evaluated last is the best so far */
+    void (*keep)(void *user); /* called when the x evaluated last is the best so far */
     void *user;
 } levenberg;
 
-/* step[n] of (h + damping diag h) step = g without the coordinates of x that lie on a bound and are pushed
- * beyond it; 0 and false if the matrix is singular. work: [n n], the matrix' Cholesky factor. */
+/* Solves (h + damping diag h) step = g, step[n]. Coordinates of x at a bound that would leave it have step 0.
+ * False and 0 if the matrix is singular. work[n n] becomes the Cholesky factor. */
 bool levenberg_step(size_t n, const double *x, const double *low, const double *high, const double *h,
                     const double *g, double damping, double *work, double *step);
 
-/* A step whose matrix has that factor, to the best one by the same matrix that ends within the walls: it goes
- * along those that it would cross. */
+/* Changes a step, whose matrix has this Cholesky factor, to the best one within the constraints. */
 palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const double *x, const double *factor,
                               double *step);
 
-/* x, h, g and chi2 in: at the first guess, which lies within the bounds; out: at the best x found. */
+/* In: x, a first guess within the bounds, with its h, g and chi2. Out: the best x found, with its own. */
 palp_status levenberg_solve(const levenberg *problem, double *x, double *h, double *g, double *chi2);
 
 #endif

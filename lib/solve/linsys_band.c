@@ -1,5 +1,5 @@
-/* linsys_band.c: band L D L' without pivoting, blocked on BLAS. Indefinite matrices are factored the
- * same way, so the inertia comes with every factor. */
+/* linsys_band.c: band L D L' without pivoting, blocked on BLAS. Indefinite matrices are factored too, so
+ * every factor gives the inertia. */
 #include "base/arena.h"
 #include "base/dense.h"
 #include "linsys_solver.h"
@@ -10,20 +10,20 @@
 
 enum { BLOCK = 24, INNER = 16, SMALL_BAND = 40 };
 
-/* Entry (i, j) of the lower triangle is at value[i + j stride], which is LAPACK's band storage of leading
- * dimension stride + 1, and a dense matrix of leading dimension stride that only its band is touched of.
- * stride = band + 2 BLOCK: whole blocks fit beside the band, and what a block update spills above the
- * diagonal lands behind it. */
+/* Entry (i, j) of the lower triangle is at value[i + j stride]. This is LAPACK's band storage of leading
+ * dimension stride + 1, or a dense matrix of leading dimension stride of which only the band is used. stride
+ * = band + 2 BLOCK leaves room for whole blocks. What a block update writes above the diagonal goes behind
+ * the band. */
 typedef struct band {
     arena memory; /* of all but position */
     size_t n, width, stride;
     double *value;
     double *panel;     /* [width BLOCK] */
     double *inverse;   /* [n] 1 / D */
-    int32_t *position; /* [n] of each unknown, if another numbering gives a narrower band; or NULL */
+    int32_t *position; /* [n] place of each unknown in a narrower numbering, or NULL */
     double *work;      /* [n] right-hand side in that numbering */
-    size_t at;         /* columns of a factor that is made in parts */
-    int negative;      /* pivots among them */
+    size_t at;         /* columns factored so far, if in parts */
+    int negative;      /* negative pivots in these */
 } band;
 
 static size_t band_width(size_t n, const size_t *column, const int32_t *row, const int32_t *position) {
@@ -37,7 +37,7 @@ static size_t band_width(size_t n, const size_t *column, const int32_t *row, con
     return (size_t)width;
 }
 
-/* The narrower one of the natural numbering (*position NULL) and reverse Cuthill-McKee. */
+/* Chooses the narrower of natural numbering (*position NULL) and reverse Cuthill-McKee. */
 static palp_status choose_numbering(size_t n, const size_t *column, const int32_t *row, int32_t **position,
                                     size_t *width) {
     int32_t *p = malloc((n + 1) * sizeof *p);
@@ -56,7 +56,7 @@ static palp_status choose_numbering(size_t n, const size_t *column, const int32_
     return status;
 }
 
-/* Rate fitted to times measured on one core: 10 Gflop/s on narrow bands, growing to 50 on wide ones. */
+/* The rate is fitted to times on one core: 10 Gflop/s for narrow bands, up to 50 for wide ones. */
 palp_status linsys_band_cost(size_t n, const size_t *column, const int32_t *row, double *cost) {
     int32_t *position;
     size_t width;
@@ -102,8 +102,8 @@ static void solve_panel(double *a, size_t ld, size_t n, size_t rows, const doubl
     }
 }
 
-/* target -= L (L D)' on the lower triangle: the square below its first half in one product, then both
- * halves likewise, down to one block. Panel's leading dimension is ldp. */
+/* target -= L (L D)' on the lower triangle. The square below its first half is one product; both halves are
+ * divided likewise, down to one block. Panel's leading dimension is ldp. */
 static void update_trailing(const double *lower, size_t ld, const double *panel, size_t ldp, size_t n,
                             size_t rows, double *target) {
     bool small = rows <= BLOCK;
@@ -115,7 +115,7 @@ static void update_trailing(const double *lower, size_t ld, const double *panel,
     update_trailing(lower + half, ld, panel + half, ldp, n, rows - half, target + half + half * ld);
 }
 
-/* A dense diagonal block, itself in smaller blocks. */
+/* Factors a dense diagonal block in smaller blocks. */
 static bool factor_diagonal(double *a, size_t ld, size_t n, double *inverse, double *panel, int *negative) {
     for (size_t j = 0; j < n; j += INNER) {
         size_t w = n - j < INNER ? n - j : INNER, below = n - j - w;
@@ -139,7 +139,7 @@ static void find_pivots(const band *b, linsys_pivots *pivots) {
     }
 }
 
-/* Block columns from b->at on, until so many flops are spent. */
+/* Factors block columns from b->at on, until so many flops are spent. */
 static palp_status factor_blocks(band *b, double flops, bool *done) {
     while (b->at < b->n && flops > 0.0) {
         size_t j = b->at, w = b->n - j < BLOCK ? b->n - j : BLOCK, below = b->n - j - w;

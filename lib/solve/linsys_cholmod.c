@@ -1,6 +1,6 @@
-/* linsys_cholmod.c: CHOLMOD behind the linsys door: simplicial L D L' (LGPL), and with PALP_GPL the
- * supernodal L L' with the simplicial one as its answer to an indefinite matrix. The fill-reducing
- * permutation is applied here, once, so that CHOLMOD factors without copying the matrix. */
+/* linsys_cholmod.c: CHOLMOD as a linsys solver: simplicial L D L' (LGPL). With PALP_GPL supernodal L L', and
+ * the simplicial factor where the matrix is indefinite. The fill-reducing permutation is applied here once,
+ * so that CHOLMOD need not copy the matrix. */
 #include "linsys_solver.h"
 
 #include <cholmod.h>
@@ -20,7 +20,7 @@ typedef struct solver {
     double *values;
 } solver;
 
-/* Simplicial wants the upper triangle, supernodal the lower one, to take the matrix as it is. */
+/* Simplicial takes the upper triangle without a copy, supernodal the lower one. */
 static void place(const solver *s, size_t row, size_t column, size_t *r, size_t *c) {
     size_t a = (size_t)s->position[row], b = (size_t)s->position[column];
     size_t low = a < b ? a : b, high = a < b ? b : a;
@@ -50,7 +50,7 @@ static void solver_destroy(void *self) {
         cholmod_free_factor(&s->simplicial, &s->common);
         cholmod_free_factor(&s->super, &s->common);
         if (s->matrix)
-            s->matrix->x = NULL; /* ours */
+            s->matrix->x = NULL; /* allocated here, not by CHOLMOD */
         cholmod_free_sparse(&s->matrix, &s->common);
         cholmod_finish(&s->common);
     }
@@ -144,7 +144,7 @@ static void solver_solve(void *self, double *b) {
 
 static const linsys_ops SOLVER_OPS = {solver_factor, NULL, NULL, solver_solve, solver_slot, solver_destroy};
 
-/* Builds s->matrix: the permuted pattern, every column's rows ascending. */
+/* Builds s->matrix: the permuted pattern, rows ascending in every column. */
 static palp_status build_matrix(solver *s, const size_t *column, const int32_t *row) {
     size_t nz = column[s->n];
     s->matrix =
@@ -179,7 +179,7 @@ static cholmod_factor *analyze(solver *s, int ordering, int supernodal) {
     return cholmod_analyze(s->matrix, &s->common);
 }
 
-/* Finds the permutation on the natural pattern, then lays the permuted one out. */
+/* Finds the permutation of the natural pattern and builds the permuted matrix. */
 static palp_status order(solver *s, const size_t *column, const int32_t *row) {
     for (size_t i = 0; i < s->n; i++)
         s->position[i] = (int32_t)i;

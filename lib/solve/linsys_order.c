@@ -1,9 +1,9 @@
-/* linsys_order.c: reverse Cuthill-McKee, the numbering that makes the band of an unordered mesh narrow. */
+/* linsys_order.c: reverse Cuthill-McKee numbering, for a narrow band of an unordered mesh. */
 #include "linsys_solver.h"
 
 #include <stdlib.h>
 
-/* Neighbours of every unknown, itself left out: list[first[i]] to list[first[i + 1]]. */
+/* Neighbours of every unknown without itself: list[first[i]] to list[first[i + 1]]. */
 typedef struct graph {
     size_t n, *first;
     int32_t *list;
@@ -39,7 +39,7 @@ static size_t degree(const graph *g, int32_t i) {
     return g->first[i + 1] - g->first[i];
 }
 
-/* Appends what can be reached from start to order[count], breadth first, low degrees first. */
+/* Appends what is reachable from start to order[count], breadth first, low degrees first. */
 static size_t sweep(const graph *g, int32_t start, bool *seen, int32_t *order, size_t count) {
     size_t head = count;
     order[count++] = start;
@@ -60,7 +60,7 @@ static size_t sweep(const graph *g, int32_t start, bool *seen, int32_t *order, s
     return count;
 }
 
-/* Starts each connected part at its far end: the last one reached from the last one reached. */
+/* Starts each connected part at a remote node, found by two breadth-first searches. */
 static void number(const graph *g, bool *seen, int32_t *order) {
     enum { TRIES = 4 };
     size_t count = 0;

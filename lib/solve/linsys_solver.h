@@ -1,4 +1,4 @@
-/* linsys_solver.h: what a solver behind linsys.h gives. Internal. */
+/* linsys_solver.h: the interface of a solver behind linsys.h. Internal. */
 #ifndef LINSYS_SOLVER_H
 #define LINSYS_SOLVER_H
 
@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The pivots of a factor: how many are negative, and the least and the largest by size, or of their inverses.
- */
+/* Pivots of a factor: the number of negative ones, and the least and largest absolute value, or those of
+ * their inverses. */
 typedef struct linsys_pivots {
     int negative;
     double least, largest;
@@ -19,13 +19,13 @@ typedef struct linsys_ops {
     palp_status (*factor)(void *self, linsys_pivots *pivots);
     void (*begin)(void *self);
     palp_status (*advance)(void *self, double flops, linsys_pivots *pivots,
-                           bool *done); /* pivots: when done */
+                           bool *done); /* pivots: set when done */
     void (*solve)(void *self, double *b);
     size_t (*slot)(const void *self, size_t row, size_t column); /* row >= column */
     void (*destroy)(void *self);
 } linsys_ops;
 
-/* Makers, one a solver; *values has *count + 1 entries and belongs to self. */
+/* Constructors of the solvers; *values has *count + 1 entries and belongs to self. */
 typedef struct linsys_made {
     void *self;
     const linsys_ops *ops;
@@ -40,7 +40,7 @@ palp_status linsys_cholmod_make(bool supernodal, size_t n, const size_t *column,
 /* Position of every unknown in the numbering of reverse Cuthill-McKee (linsys_order.c). */
 palp_status linsys_order(size_t n, const size_t *column, const int32_t *row, int32_t *position);
 
-/* Seconds a factorization by bands is expected to take, to choose by. */
+/* Expected seconds of a factorization by bands, to choose a solver. */
 palp_status linsys_band_cost(size_t n, const size_t *column, const int32_t *row, double *cost);
 
 #endif

@@ -1,12 +1,12 @@
-/* multigrid.c: symbolic part: which nodes are coarse, how the others follow them, patterns, memory. */
+/* multigrid.c: symbolic part: coarse nodes, interpolation, patterns and memory. */
 #include "base/dense.h"
 #include "multigrid_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { FOLLOWED_MAX = 32 }; /* coarse nodes that a node follows at most */
-enum { COARSEST = 200 };    /* unknowns of which a factor is cheaper than another level */
+enum { FOLLOWED_MAX = 32 }; /* coarse nodes that a node interpolates from, at most */
+enum { COARSEST = 200 };    /* below so many unknowns a factor is cheaper than another level */
 
 void multigrid_free(multigrid *mg) {
     if (!mg)
@@ -22,7 +22,7 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Numbers of a level whose pattern is known. */
+/* Allocates the numbers of a level whose pattern is known. */
 static palp_status level_allocate(arena *memory, mg_level *l, bool blocks) {
     size_t entries = blocks ? l->first[l->n] / 2 : 0;
     l->low_first = arena_take(memory, l->n + 1, sizeof *l->low_first);
@@ -46,7 +46,7 @@ static palp_status level_allocate(arena *memory, mg_level *l, bool blocks) {
     return PALP_OK;
 }
 
-/* The elements by lower node; within one node in the caller's order. */
+/* Sorts the elements by lower node; within one node they keep the caller's order. */
 static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
     uint32_t *after = mg->after = arena_take(&mg->memory, mg->n_nodes + 2, sizeof *after);
     mg->place = arena_take(&mg->memory, mg->n_elements, sizeof *mg->place);
@@ -74,7 +74,7 @@ static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
     return status;
 }
 
-/* The finest level: a row has its node's elements. */
+/* The finest level: the entries of a row are the elements of its node. */
 static palp_status make_finest(multigrid *mg, const int32_t *dof) {
     mg_level *l = &mg->level[0];
     l->n = mg->n_nodes;
@@ -108,8 +108,8 @@ static palp_status make_finest(multigrid *mg, const int32_t *dof) {
     return level_allocate(&mg->memory, l, false);
 }
 
-/* Coarse nodes: no two of them neighbours, every other node beside one. number[n]: theirs, or -1. On a
- * lattice every second one along each axis. */
+/* Coarse nodes: no two are neighbours, and every other node has one as a neighbour. number[n]: coarse number,
+ * or -1. On a lattice these are every second node along each axis. */
 static size_t choose_coarse(const mg_level *l, int32_t *number) {
     size_t n = 0;
     for (size_t i = 0; i < l->n; i++)
@@ -124,7 +124,8 @@ static size_t choose_coarse(const mg_level *l, int32_t *number) {
     return n;
 }
 
-/* w' (D D' + 0.05 |d|^2) w least with sum w = 1: the node's place as a mean of those it follows, d away. */
+/* Minimises w' (D D' + 0.05 |d|^2) w with sum w = 1. This interpolates the node's position from those it
+ * follows, at distances d. */
 static void mean_weights(size_t n, double (*d)[3], double *w) {
     double a[FOLLOWED_MAX * FOLLOWED_MAX], sum = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -141,7 +142,8 @@ static void mean_weights(size_t n, double (*d)[3], double *w) {
         w[i] /= sum;
 }
 
-/* Whom each node follows, and by which weights; x[3 n]: places of this level's nodes. */
+/* Interpolation of each node: the coarse nodes it follows and their weights. x[3 n]: positions of this
+ * level's nodes. */
 static palp_status make_weights(arena *memory, mg_level *l, const int32_t *number, const double *x) {
     l->up_first = arena_take(memory, l->n + 1, sizeof *l->up_first);
     l->up = arena_take(memory, l->first[l->n] + l->n, sizeof *l->up);
@@ -258,8 +260,8 @@ static size_t unknowns(const mg_level *l) {
     return n;
 }
 
-/* If there are more than direct unknowns: coarser levels until the factor is cheap beside them or nothing is
- * won. x[3 n_nodes] is overwritten. */
+/* With more than direct unknowns: adds coarser levels until the factor is cheap or no unknowns are saved. x[3
+ * n_nodes] is overwritten. */
 static palp_status make_levels(multigrid *mg, size_t direct, double *x, int32_t *number) {
     const size_t coarsest = unknowns(&mg->level[0]) > direct && direct > COARSEST ? COARSEST : direct;
     mg->n_levels = 1;
@@ -281,7 +283,7 @@ static palp_status make_levels(multigrid *mg, size_t direct, double *x, int32_t 
     return PALP_OK;
 }
 
-/* Lower triangle of the coarsest level by columns. With row NULL only counts. */
+/* Lower triangle of the coarsest level by columns; only counts if row is NULL. */
 static void direct_pattern(const multigrid *mg, const mg_level *l, size_t *column, int32_t *row) {
     size_t nz = 0;
     for (size_t c = 0; c < 3 * l->n; c++) {

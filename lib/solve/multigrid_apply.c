@@ -5,8 +5,8 @@
 
 typedef multigrid_four four;
 
-/* Of row i the blocks before the diagonal: s less them times x; and the transposed ones times x from what
- * they meet of rest. */
+/* Row i's blocks before the diagonal times x, subtracted from s. The second function subtracts their
+ * transposes times x from rest. */
 static inline four subtract(const mg_level *l, const float *block, size_t i, four s) {
     for (uint32_t k = l->first[i]; k < l->middle[i]; k++, block += BLOCK_FLOATS)
         s -= multigrid_times(block, multigrid_load(l->x + 4 * l->column[k]));
@@ -20,7 +20,7 @@ static inline void subtract_turned(const mg_level *l, const float *block, size_t
     }
 }
 
-/* From x = 0: x = (D + L)^-1 r; what is left, -L' x, goes to the coarser level. */
+/* Forward sweep from x = 0: x = (D + L)^-1 r. The residual -L' x goes to the coarser level. */
 static void sweep_down(mg_level *l, int set, float *rest) {
     mg_level *coarse = l + 1;
     memset(rest, 0, 4 * l->n * sizeof *rest);
@@ -36,7 +36,7 @@ static void sweep_down(mg_level *l, int set, float *rest) {
         multigrid_pass_up(l, i, multigrid_load(rest + 4 * i), coarse->r);
 }
 
-/* x = (D + L')^-1 (r - L x), from the last row on. */
+/* Backward sweep: x = (D + L')^-1 (r - L x). */
 static void sweep_up(mg_level *l, int set, float *rest) {
     const mg_level *coarse = l + 1;
     for (size_t i = 0; i < l->n; i++)
@@ -62,7 +62,7 @@ static void solve_coarsest(multigrid *mg) {
             l->x[i / 3 * 4 + i % 3] = (float)mg->rhs[mg->dof[i]];
 }
 
-/* From r on the finest level to x of the next one; of a single level to its own. */
+/* From r on the finest level down to x on the second one; with a single level, to its own x. */
 static void descend(multigrid *mg, const double *r) {
     const size_t last = mg->n_levels - 1;
     multigrid_narrow(mg->n_nodes, r, mg->level[0].r);

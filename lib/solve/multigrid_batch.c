@@ -1,20 +1,18 @@
-/* multigrid_batch.c: elements of the finest level by batches of neighbouring parallel ones: element k of a
- * batch joins nodes low + k and high + k. So the loops over them have no indices and are vectorized. A
- * lattice, numbered along its axes, has nearly all of its elements in full batches; elements that are missing
- * in one have blocks of 0. */
+/* multigrid_batch.c: elements of the finest level in batches: element k of a batch joins nodes low + k and
+ * high + k. Loops over a batch have no indices and are vectorized. Nearly all elements of a lattice, numbered
+ * along its axes, are in full batches. Elements missing in a batch have blocks of 0. */
 #include "base/clones.h"
 #include "multigrid_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Batches of one direction stand together for so many nodes: a later batch would wait for what one just
- * before it has stored partly in the same place, and what is farther apart is not in the nearest cache any
- * more. */
+/* Batches of one direction stand together for so many nodes. With fewer, a load would wait for a store that
+ * overlaps it; with more, data leave the nearest cache. */
 enum { STRETCH = 128 };
-static const double SPARSE = 2.0; /* places an element: with more it is not worth it */
+static const double SPARSE = 2.0; /* places per element above which batches do not pay */
 
-/* An element, or a place in the caller's order of which is k. */
+/* An element, or a place of which k is the element's number in the caller's order. */
 typedef struct parallel {
     int32_t stretch, offset, low;
     uint32_t k;
@@ -41,7 +39,7 @@ static parallel *sorted(const multigrid *mg) {
     return p;
 }
 
-/* Batches of sorted elements, which it counts; lists them unless batch is NULL. */
+/* Forms batches of sorted elements; returns their number, and lists them unless batch is NULL. */
 static size_t fill(multigrid *mg, const parallel *p, int32_t *batch) {
     size_t n = 0;
     int32_t start = 0;
@@ -77,15 +75,15 @@ palp_status multigrid_make_batches(multigrid *mg) {
     return mg->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-/* A batch's numbers at once; they are only kept in variables, as no function takes them alike with and
+/* The numbers of a batch as one vector. Local variables only: passing them to functions differs with and
  * without AVX. */
 typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float))));
 
 #define LOAD(v, p) memcpy(&(v), p, sizeof(eight))
 #define ADD_TO(p, v) (LOAD(sum, p), sum += (v), memcpy(p, &sum, sizeof(eight)))
 
-/* out += the batches' blocks times x, both by axis, [3 stride], as the nodes' places are; with the sign of
- * the tangent turned. */
+/* out -= the batches' part of the tangent times x. Both are by axis, [3 stride], as are the nodes'
+ * positions. */
 PALP_CLONES
 static void batches_times(size_t n, const int32_t *batch, const float *element, const float *place,
                           size_t stride, const float *x, float *out) {

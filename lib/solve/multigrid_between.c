@@ -1,5 +1,5 @@
-/* multigrid_between.c: further blocks between the two nodes of each element, and of all nodes' own. They
- * stand by batches as the elements do. */
+/* multigrid_between.c: blocks of terms on all nodes: between the nodes of each element, and on each node.
+ * They are stored in batches like the elements. */
 #include "base/clones.h"
 #include "multigrid_internal.h"
 
@@ -20,12 +20,12 @@ void multigrid_clear_blocks(multigrid *mg) {
     memset(mg->beside[1 - mg->used], 0, mg->n_beside * sizeof(float));
 }
 
-/* The nine numbers of an element, by rows, are so far apart. */
+/* Distance between the nine numbers of an element's block, which is by rows. */
 static inline size_t apart(const multigrid *mg) {
     return mg->n_batches > 0 ? MULTIGRID_BATCH : 1;
 }
 
-/* Where the first of those of the k-th sorted element stands. */
+/* Index of the first number of the k-th sorted element. */
 static inline size_t place_of(const multigrid *mg, uint32_t k) {
     const size_t slot = mg->slot[k];
     return mg->n_batches > 0 ? slot / MULTIGRID_BATCH * (9 * MULTIGRID_BATCH) + slot % MULTIGRID_BATCH
@@ -60,7 +60,7 @@ typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float)))
 #define LOAD(v, p) memcpy(&(v), p, sizeof(eight))
 #define ADD_TO(p, v) (LOAD(sum, p), sum += (v), memcpy(p, &sum, sizeof(eight)))
 
-/* out -= the blocks between nodes times x, by axis. */
+/* out -= blocks between nodes times x, by axis. */
 PALP_CLONES
 static void batches_subtract(size_t n, const int32_t *batch, const float *between, size_t stride,
                              const float *x, float *out) {
@@ -86,7 +86,7 @@ static void batches_subtract(size_t n, const int32_t *batch, const float *betwee
     }
 }
 
-/* The same of single elements, four numbers a node. */
+/* The same for single elements, four numbers a node. */
 static void elements_subtract(const multigrid *mg, const float *x, float *rest) {
     for (size_t i = 0; i < mg->n_nodes; i++)
         for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {

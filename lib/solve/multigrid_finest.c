@@ -1,12 +1,13 @@
-/* multigrid_finest.c: the finest level of a cycle, on the elements: a step of damped Jacobi, but Gauss-Seidel
- * at the nodes that something stiff touches, the patch: down first, up last. */
+/* multigrid_finest.c: the finest level of a cycle, element by element: a step of damped Jacobi, but
+ * Gauss-Seidel at nodes with stiff contacts, called the patch. The patch is first on the way down and last on
+ * the way up. */
 #include "multigrid_internal.h"
 
 #include <string.h>
 
 typedef multigrid_four four;
 
-/* (along d d' + across 1) x of two numbers e */
+/* (along d d' + across 1) x, with e = {along, across} of an element. */
 static inline four element_times(const float *e, four d, four x) {
     const four p = d * x;
     return multigrid_all(e[0] * (p[0] + p[1] + p[2])) * d + multigrid_all(e[1]) * x;
@@ -16,7 +17,7 @@ static inline four free_part(const mg_level *l, size_t i, four s) {
     return multigrid_load(MULTIGRID_FREE[l->axes[i]]) * s;
 }
 
-/* x of each node grows by its share of what the coarser level has. */
+/* Adds the coarser level's correction to x, interpolated. */
 static inline void take_down(const mg_level *l, size_t i) {
     const four s = multigrid_take_down(l, i, l[1].x, multigrid_all(0.0F));
     multigrid_store(l->x + 4 * i, multigrid_load(l->x + 4 * i) + free_part(l, i, s));
@@ -28,7 +29,7 @@ static inline four solve_own(const multigrid *mg, size_t i, four s) {
 
 /* ---- the patch ----------------------------------------------------------------------------------- */
 
-/* r -= B x or, turned, B' x of a coupling */
+/* r -= B x of a coupling; if turned, B' x. */
 static inline void subtract_coupling(const multigrid_coupling *c, bool turned, const float *x, float *r) {
     const size_t along = turned ? 3 : 1, across = turned ? 1 : 3;
     for (size_t i = 0; i < 3; i++)
@@ -36,14 +37,14 @@ static inline void subtract_coupling(const multigrid_coupling *c, bool turned, c
                 c->block[across * i + 2 * along] * x[2];
 }
 
-/* The further block of nodes i and j, which entry k joins, times v. */
+/* The further block between nodes i and j of entry k, times v. */
 static inline four between_times(const multigrid *mg, size_t i, size_t j, uint32_t k, four v) {
     float block[BLOCK_FLOATS];
     multigrid_between(mg, mg->used, i, j, mg->through[k], block);
     return multigrid_times(block, v);
 }
 
-/* Entry k of row i times v: the element between both nodes. */
+/* Entry k of row i times v: the element between the two nodes. */
 static inline four entry_times(const multigrid *mg, size_t i, uint32_t k, four v) {
     const size_t j = (size_t)mg->level[0].column[k];
     float e[5];
@@ -51,7 +52,7 @@ static inline four entry_times(const multigrid *mg, size_t i, uint32_t k, four v
     return element_times(e + 3, (four){e[0], e[1], e[2], 0.0F}, v);
 }
 
-/* A node of the patch, and what that leaves to the other nodes and to later ones of the patch. */
+/* Solves for a node of the patch; subtracts its effect from other nodes and from later ones of the patch. */
 static void relax_down(multigrid *mg, size_t i) {
     const mg_level *l = &mg->level[0];
     const four x = solve_own(mg, i, multigrid_load(mg->rest + 4 * i));
@@ -73,7 +74,7 @@ static inline four own_times(const float *s, const float *x) {
                   s[3] * x[0] + s[4] * x[1] + s[5] * x[2], 0.0F};
 }
 
-/* As everything else now stands; rest is r less what couplings to lower nodes make of it. */
+/* Solves for a node with the present x elsewhere; rest is r less couplings to lower nodes. */
 static void relax_up(multigrid *mg, size_t i) {
     const mg_level *l = &mg->level[0];
     const float *s = mg->touched + 6 * i, *x = l->x + 4 * i;
@@ -106,11 +107,11 @@ static void relax_patch_up(multigrid *mg) {
 
 /* ---- damped Jacobi ------------------------------------------------------------------------------- */
 
-/* Of a step before the coarser levels and one behind them. The elements' part of the tangent is at most twice
- * that of its own blocks, as that of a single element is; a step is a contraction up to 2.7. */
+/* Damping of the Jacobi steps before and after the coarser levels. The elements' part of the tangent is at
+ * most twice its own blocks. A step is a contraction up to a ratio of 2.7. */
 static const float DAMPING = 0.74F;
 
-/* rest less these elements' part of the tangent times x, those from node i to higher ones */
+/* rest -= tangent of the elements from node i to higher ones, times x. */
 static inline void subtract_elements(const multigrid *mg, const float *element, const float *x, size_t i) {
     const float *place = element + mg->nodes;
     const four own = multigrid_load(x + 4 * i), here = multigrid_load(place + 4 * i);
@@ -125,7 +126,7 @@ static inline void subtract_elements(const multigrid *mg, const float *element, 
     multigrid_store(mg->rest + 4 * i, sum);
 }
 
-/* rest = r - A x; on fixed axes it is of no meaning */
+/* rest = r - A x; values at fixed axes are not used. */
 static void find_rest(multigrid *mg) {
     const mg_level *l = &mg->level[0];
     for (size_t i = 0; i < l->n; i++) {

@@ -1,25 +1,25 @@
-/* multigrid_make.c: the numbers: blocks of the finest level from the elements, Galerkin products, the factor.
- * All of it in pieces, so that a tick may do a part; and what contacts change of those in use. */
+/* multigrid_make.c: numbers of a set: blocks of the finest level from elements, Galerkin products, the
+ * factor. They are made in pieces, so that a tick may do a part. Also updates contacts of the set in use. */
 #include "multigrid_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Work units, some nanoseconds each: */
-static const double ROW_WORK = 6.0;     /* an own block inverted, a block cleared */
+/* Work units of some nanoseconds each: */
+static const double ROW_WORK = 6.0;     /* inverting an own block or clearing a block */
 static const double ELEMENT_WORK = 3.0; /* both blocks of an element */
 static const double ENTRY_WORK = 20.0;  /* an entry of a row of P' A P */
-static const double FLOP_WORK = 0.025;  /* of a factor */
-static const double VALUE_WORK = 0.08;  /* one of its values cleared */
-static const double FILL_WORK = 14.0;   /* a block put into them */
+static const double FLOP_WORK = 0.025;  /* a flop of a factor */
+static const double VALUE_WORK = 0.08;  /* clearing one value of a factor */
+static const double FILL_WORK = 14.0;   /* adding a block to a factor's values */
 
-static const float STIFF = 0.2F; /* share of a node's own block from which on it belongs to the patch */
+static const float STIFF = 0.2F; /* share of a node's own block above which contacts put it into the patch */
 
 static int made(const multigrid *mg) {
     return 1 - mg->used;
 }
 
-/* Is there an entry for it? */
+/* Does the pattern have an entry for this coupling? */
 static bool joined(const multigrid *mg, const multigrid_coupling *c) {
     const mg_level *l = &mg->level[0];
     return l->first[c->low] < l->first[c->low + 1] &&
@@ -77,7 +77,7 @@ static void add_elements(multigrid *mg, size_t i) {
         float *stored = mg->element[made(mg)] + mg->slot[k], e[5], s[6];
         const int32_t j = mg->high[k];
         multigrid_element(mg, mg->element[made(mg)], i, k, e);
-        if (mg->definite[made(mg)]) { /* no compression, and along it nothing negative */
+        if (mg->definite[made(mg)]) { /* leaves out compression, and a negative stiffness along the element */
             const float square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
             stored[mg->spacing] = e[4] = e[4] > 0.0F ? e[4] : 0.0F;
             stored[0] = e[3] = e[3] * square + e[4] > 0.0F ? e[3] : -e[4] / square;
@@ -96,14 +96,14 @@ static void add_node(multigrid *mg, size_t i) {
                   l->axes[i]);
 }
 
-/* Takes what is not between free axes out of a block. */
+/* Clears what is not between free axes in a block. */
 static void mask(float *b, unsigned row, unsigned column) {
     for (unsigned c = 0; c < 3 && (row & column) != 7U; c++)
         for (unsigned r = 0; r < 3; r++)
             b[4 * c + r] = row >> r & column >> c & 1U ? b[4 * c + r] : 0.0F;
 }
 
-/* Inverse of the free part of own block b of row i; false, and nothing done: not positive definite. */
+/* Inverse of the free part of own block b of row i. False, and unchanged, if not positive definite. */
 static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
     float *inverse = l->inverse[set] + BLOCK_FLOATS * i;
     double a[3][3];
@@ -126,9 +126,9 @@ static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
     return true;
 }
 
-/* b[12]: own block i, of which sweeps take the inverse. On the finest level of several the further blocks'
- * own ones count one and a half times: with the others those are at most four times their own, where an
- * element's are twice, and damped Jacobi is to remain a contraction. */
+/* b[12]: the own block i that sweeps invert. With several levels, own further blocks of the finest level
+ * count one and a half times. Together they reach four times their own blocks, elements only twice, and
+ * damped Jacobi must stay a contraction. */
 static void block_of_sweep(const multigrid *mg, const mg_level *l, int set, size_t i, float *b) {
     memcpy(b, l->own[set] + BLOCK_FLOATS * i, BLOCK_FLOATS * sizeof *b);
     if (l == mg->level && mg->n_levels > 1 && multigrid_has_between(mg, set))
@@ -139,14 +139,14 @@ static bool invert(multigrid *mg, mg_level *l, size_t i) {
     const int set = made(mg);
     float b[BLOCK_FLOATS];
     mask(l->own[set] + BLOCK_FLOATS * i, l->axes[i],
-         l->axes[i]); /* of a coarse row, as followers have brought them */
+         l->axes[i]); /* of a coarse row: its own block is a sum over its followers */
     for (uint32_t k = l->first[i]; l != mg->level && k < l->middle[i]; k++)
         mask(l->block[set] + multigrid_low(l, i, k), l->axes[i], l->axes[l->column[k]]);
     block_of_sweep(mg, l, set, i, b);
     return invert_block(l, set, i, b);
 }
 
-/* A row's share of the factor's values; its units. */
+/* Clears a row's share of the factor's values; returns work units. */
 static double clear_values(multigrid *mg, size_t i) {
     linsys *ls = mg->factor[made(mg)];
     const size_t n = mg->level[mg->n_levels - 1].n, count = linsys_value_count(ls), from = count * i / n,
@@ -157,7 +157,7 @@ static double clear_values(multigrid *mg, size_t i) {
     return VALUE_WORK * (double)(to - from) + 1.0;
 }
 
-/* Row i of the coarsest level into the cleared values, its lower triangle by columns; its units. */
+/* Adds row i of the coarsest level to the cleared values, lower triangle by columns; returns work units. */
 static double fill(multigrid *mg, size_t i) {
     const mg_level *l = &mg->level[mg->n_levels - 1];
     linsys *ls = mg->factor[made(mg)];
@@ -183,7 +183,7 @@ static palp_status factor(multigrid *mg, double work, bool *done) {
     return !status && *done && negative > 0 ? PALP_ERR_SINGULAR : status;
 }
 
-/* The next stage, or the same one on the next level. */
+/* Goes to the next stage, or to the next level in the same stage. */
 static void go_on(multigrid *mg) {
     size_t last = mg->n_levels - 1;
     mg->at = 0;
@@ -199,7 +199,8 @@ static void go_on(multigrid *mg) {
     }
 }
 
-/* One item of the present stage; its units, or 0: the stage is over, or < 0: not positive definite. */
+/* One item of the present stage. Returns work units, 0 if the stage is over, below 0 if not positive
+ * definite. */
 static double item(multigrid *mg) {
     size_t i = mg->at++;
     mg_level *l = &mg->level[mg->at_level];
@@ -252,7 +253,7 @@ static void set_touching(multigrid *mg, size_t n, const multigrid_coupling *coup
     }
 }
 
-/* The nodes that the set in use has couplings of, or that are touched by something stiff. */
+/* Finds the nodes of the set in use that have couplings or stiff contacts. */
 static void find_patch(multigrid *mg) {
     const float *own = mg->level[0].own[mg->used], *touched = mg->touched;
     for (size_t i = 0; i < mg->n_nodes; i++, own += BLOCK_FLOATS, touched += 6)

@@ -1,19 +1,19 @@
 /* multigrid_product.c: the Galerkin products P' A P = S + S' with S = P' (D / 2 + L) P, A = D + L + L', row
- * by row of L. Where each number goes is found once, when the levels are made. */
+ * by row of L. The destination of each number is found once, when the levels are made. */
 #include "multigrid_internal.h"
 
-/* Where a block of S goes: to the coarse row's own, with its transpose; or to this block, transposed where S
- * has it behind the diagonal. */
+/* Destination of a block of S: the coarse row's own block, with its transpose; or another block, transposed
+ * if S has it behind the diagonal. */
 static const uint32_t OWN = UINT32_MAX, TURNED = UINT32_C(1) << 31;
 
-/* Of the rows of (D / 2 + L) P: whom they have. */
+/* Columns of a row of (D / 2 + L) P. */
 typedef struct places {
-    int32_t *mark;   /* [n of the next level] each one's place, or -1 */
+    int32_t *mark;   /* [n of the next level] position of each, or -1 */
     int32_t *column; /* [n] */
     size_t n;
 } places;
 
-/* Places for the nodes that node j follows, into local unless it is NULL; how many these are. */
+/* Finds positions for the nodes that node j follows, into local unless NULL; returns their number. */
 static size_t find_places(const mg_level *l, size_t j, places *p, uint16_t *local) {
     const uint32_t first = l->up_first[j], n = l->up_first[j + 1] - first;
     for (uint32_t k = 0; k < n; k++) {
@@ -28,7 +28,7 @@ static size_t find_places(const mg_level *l, size_t j, places *p, uint16_t *loca
     return n;
 }
 
-/* Those of row i of it, in the order in which they come; the number of locals. */
+/* Columns of row i, in the order in which they occur; returns the number of locals. */
 static size_t find_row(const mg_level *l, size_t i, places *p, uint16_t *local) {
     p->n = 0;
     size_t n = find_places(l, i, p, local);
@@ -39,7 +39,7 @@ static size_t find_row(const mg_level *l, size_t i, places *p, uint16_t *local) 
     return n;
 }
 
-/* How many locals and targets a level has, and the longest row. */
+/* Counts a level's locals and targets, and the longest row. */
 static size_t count(const mg_level *l, places *p, size_t *locals, size_t *targets) {
     size_t longest = 0;
     *locals = *targets = 0;
@@ -109,7 +109,7 @@ palp_status multigrid_make_products(multigrid *mg) {
     return mg->row ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-/* b += the further block of nodes i and j, which the k-th sorted element joins, free axes only. */
+/* b += the further block between nodes i and j, joined by the k-th sorted element; free axes only. */
 static void add_between(const multigrid *mg, size_t i, size_t j, uint32_t k, float *b) {
     const unsigned row = mg->level[0].axes[i], column = mg->level[0].axes[j];
     float block[BLOCK_FLOATS];
@@ -119,7 +119,7 @@ static void add_between(const multigrid *mg, size_t i, size_t j, uint32_t k, flo
             b[at] += block[at];
 }
 
-/* b += the couplings of nodes i and j, free axes only. */
+/* b += the couplings between nodes i and j; free axes only. */
 static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
     const mg_level *l = &mg->level[0];
     const multigrid_coupling *list = mg->coupling[1 - mg->used];
@@ -150,14 +150,14 @@ const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_
     return room;
 }
 
-/* to += factor times a block */
+/* to += factor times a block. */
 static inline void add(float *to, float factor, const float *block) {
     const multigrid_four w = multigrid_all(factor);
     for (size_t c = 0; c < BLOCK_FLOATS; c += 4)
         multigrid_store(to + c, multigrid_load(to + c) + w * multigrid_load(block + c));
 }
 
-/* to += factor times a block, transposed */
+/* to += factor times the transpose of a block. */
 static inline void add_turned(float *to, float factor, const float *b) {
     const multigrid_four w = multigrid_all(factor);
     for (size_t c = 0; c < 3; c++)

@@ -1,4 +1,4 @@
-/* nnls.c: see nnls.h; the columns in use are kept as Q R. */
+/* nnls.c: see nnls.h; the columns in use are factored as Q R. */
 #include "nnls.h"
 
 #include "base/dense.h"
@@ -8,9 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double DEPENDENT = 1e-10; /* a column this near the span of those in use adds nothing */
-static const double STALE = 0.5;       /* of the best gradient at the last look at all columns */
-enum { SHORT = 256 };                  /* columns that are looked at in between */
+static const double DEPENDENT =
+    1e-10; /* a column this near to the span of those in use counts as dependent */
+static const double STALE =
+    0.5;              /* share of the largest gradient at the last full search, below which to search again */
+enum { SHORT = 256 }; /* columns in the short list */
 
 typedef struct nnls {
     size_t rows, most, used;
@@ -20,13 +22,13 @@ typedef struct nnls {
     double *r;              /* [most most] upper triangle by columns */
     double *projected;      /* [most] q' b */
     double *s;              /* [most] least squares of the columns in use */
-    double *x;              /* [most] theirs */
-    int *column;            /* [most] which they are */
-    double *rest;           /* [rows] b - a x */
-    double *gradient;       /* [n] a' rest */
-    unsigned char *barred;  /* [n] in use, or tried in vain */
-    int *shortlist, listed; /* [listed] columns of the largest gradients at the last look at all */
-    double floor;           /* their gradients are to be above it, else all are looked at again */
+    double *x;              /* [most] their coefficients */
+    int *column;            /* [most] their numbers */
+    double *rest;           /* [rows] residual b - a x */
+    double *gradient;       /* [n] a' residual */
+    unsigned char *barred;  /* [n] in use, or found dependent */
+    int *shortlist, listed; /* [listed] columns of the largest gradients at the last full search */
+    double floor;           /* a full search follows if no listed gradient is above this */
 } nnls;
 
 static void find_rest(nnls *p) {
@@ -34,7 +36,7 @@ static void find_rest(nnls *p) {
     dense_times(p->rows, p->used, -1.0, p->q, p->projected, 1.0, p->rest);
 }
 
-/* The best SHORT of the columns by gradient, in a heap whose root is the least of them. */
+/* Keeps the best SHORT columns by gradient in a heap whose root is the least of them. */
 static void list_column(nnls *p, int j) {
     int *heap = p->shortlist, at;
     const double *g = p->gradient;
@@ -58,7 +60,7 @@ static void list_column(nnls *p, int j) {
     heap[at] = j;
 }
 
-/* The most promising of the short list; -1: none above the floor. */
+/* The listed column of the largest gradient; -1: none is above the floor. */
 static int best_listed(nnls *p) {
     int best = -1;
     double most = p->floor;
@@ -75,8 +77,8 @@ static int best_listed(nnls *p) {
     return best;
 }
 
-/* The unused column that promises most, near enough; -1: none promises anything. All columns are looked at
- * only where the short list is used up. */
+/* An unused column with about the largest gradient; -1: none is positive. All columns are searched only when
+ * the short list is used up. */
 static int best_column(nnls *p) {
     int j = best_listed(p);
     if (j >= 0)
@@ -92,7 +94,7 @@ static int best_column(nnls *p) {
     return best_listed(p);
 }
 
-/* Appends column j to Q R, orthogonalized twice. False: it depends on those in use. */
+/* Appends column j to Q R, orthogonalized twice. False if it depends on the columns in use. */
 static bool append(nnls *p, int j) {
     size_t rows = p->rows, k = p->used;
     double *v = p->q + k * rows, *h = p->r + k * p->most, *again = p->s;
@@ -166,7 +168,7 @@ static void least_squares(nnls *p) {
     }
 }
 
-/* Moves x towards s as far as it stays positive and drops what became 0, until x = s. */
+/* Moves x towards s as far as it stays positive and removes columns that became 0, until x = s. */
 static void keep_positive(nnls *p) {
     for (;;) {
         double reach = 1.0;
@@ -204,7 +206,7 @@ static void iterate(nnls *p, double stop, double *residual) {
             continue;
         }
         least_squares(p);
-        if (p->s[p->used - 1] <= 0.0) { /* rounding: it cannot grow */
+        if (p->s[p->used - 1] <= 0.0) { /* rounding: this coefficient cannot grow */
             drop(p, p->used - 1);
             p->barred[j] = 1;
             continue;
