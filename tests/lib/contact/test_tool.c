@@ -281,6 +281,40 @@ START_TEST(far_in_one_step) {
 }
 END_TEST
 
+/* Negative pivots of the tangent at the committed state: 0 on a stable branch. */
+static int negative_pivots_of(palp_network *net) {
+    int negative = -1;
+    ck_assert_int_eq(network_begin(net, 0.0, INFINITY), PALP_OK);
+    memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
+    NETWORK_EACH_TERM(net, follow, net);
+    ck_assert(network_evaluate(net));
+    ck_assert_int_eq(network_factor(net, 0.0, &negative), PALP_OK);
+    net->factored = false;
+    return negative;
+}
+
+/* A sphere of 5 mm pressed 8 mm into five nodes a side: after 6.5 mm the branch that is followed continues as
+ * an unstable one, with a force that is half as large again. */
+START_TEST(unstable_branch_is_left) {
+    const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
+    const palp_contact_settings penalty = palp_contact_settings_default();
+    const palp_network_settings settings = palp_network_settings_default();
+    palp_material m = linear();
+    palp_mesh *mesh = cube(5, PALP_NEIGHBOURS_26);
+    palp_network *net = NULL;
+    ck_assert_int_eq(settings.branch, PALP_BRANCH_CONTINUE);
+    ck_assert_int_eq(palp_network_create(mesh, &m, 1, &bottom, &settings, &net, NULL), PALP_OK);
+    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &penalty), PALP_OK);
+    palp_mesh_free(mesh);
+    for (int i = 0; i <= 16; i++) {
+        const palp_tool tool = sphere(0.012, HEIGHT - 5e-4 * i, 0.0121, 0.005, 0);
+        step(net, &tool, INFINITY);
+        ck_assert_msg(negative_pivots_of(net) == 0, "%g mm deep", 0.5 * i);
+    }
+    palp_network_free(net);
+}
+END_TEST
+
 /* What a step says of tetrahedra turned inside out is what their volumes say. */
 START_TEST(inverted_are_counted) {
     palp_material m = linear();
@@ -447,6 +481,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, one_sided);
     tcase_add_test(tc, begins_inside);
     tcase_add_test(tc, far_in_one_step);
+    tcase_add_test(tc, unstable_branch_is_left);
     tcase_add_test(tc, inverted_are_counted);
     tcase_add_test(tc, smaller_than_the_mesh);
     tcase_add_test(tc, force_is_smooth_across_triangles);
