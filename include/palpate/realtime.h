@@ -53,15 +53,14 @@ typedef struct palp_tick_info {
     bool refreshed;  /* a new factor came into use */
     double residual; /* |residual| / |element forces| */
     double force_N;  /* reaction conjugate to depth by virtual work: its error is of second order */
-    double force_error_N; /* estimated error of it and of the forces on tools, more likely too large than
-                             too small. Without convergence it may be many times the force, which is then
-                             meaningless */
-    bool error_known; /* false if friction's history of earlier ticks is most of that error: only a bound of
-                         it is known, possibly hundreds of times too large */
-    double seconds;   /* that the call took */
-    double beyond;    /* as in palp_step_info */
-    size_t inverted;  /* likewise; a tick assesses a 16th of the tetrahedra, so the count covers the last 16
-                         ticks */
+    double force_error_N; /* its estimated error and that of the forces on tools, rather too large than too
+                             small: with tools some 100 times the error in the median, with friction up to some
+                             600 times. Where it exceeds the force, the force may be anything: a larger
+                             budget is needed (doc/realtime.md, Fast tools) */
+    double seconds;       /* that the call took */
+    double beyond;        /* as in palp_step_info */
+    size_t inverted; /* likewise; a tick assesses a 16th of the tetrahedra, so the count covers the last 16
+                        ticks */
 } palp_tick_info;
 
 /* One step to depth_m after dt_s seconds, as palp_network_step, but limited by the budget: the best state

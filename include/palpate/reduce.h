@@ -102,8 +102,9 @@ typedef struct palp_reduced_info {
 
 /* One step to depth_m with n_tools tools in these poses after dt_s seconds (INFINITY = relaxed), committed.
  * force[n_tools] (may be NULL): of the tissue on each tool. info may be NULL. Allocates nothing; the same
- * input gives the same bits. On failure the state stays as it was. ERR_ARGUMENT, ERR_COLLAPSED,
- * ERR_NOT_CONVERGED. */
+ * input gives the same bits. A tool is put at its new place at once, not followed in parts: move it by less
+ * than half an edge of the surface and a quarter of its radius. On failure the state stays as it was.
+ * ERR_ARGUMENT, ERR_COLLAPSED, ERR_NOT_CONVERGED. */
 PALP_API palp_status palp_reduced_step(palp_reduced *reduced, double depth_m, size_t n_tools,
                                        const palp_tool *tools, double dt_s, palp_tool_force *force,
                                        palp_reduced_info *info);

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-static const double LINGERS =
-    0.98;                       /* least share of its error that a slipping spring keeps from step to step */
 static const double SLID = 0.1; /* in edges: a contact whose point moved so far is found anew */
 
 /* ---- making -------------------------------------------------------------------------------------- */
@@ -219,7 +217,7 @@ void contact_set_finish(contact_set *set, const double *x) {
         t->tool = c->tool;
         memcpy(t->node, c->node, sizeof t->node);
         memcpy(t->stretch, c->stretch, sizeof t->stretch);
-        t->doubt = set->pose[c->tool].friction > 0.0 ? fmax(c->kept, LINGERS) * c->doubt : 0.0;
+        t->doubt = set->pose[c->tool].friction > 0.0 ? sqrt(c->kept) * c->doubt : 0.0;
     }
 }
 
@@ -228,8 +226,11 @@ static double held(const contact_set *set, const contact *c) {
     return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
 }
 
-/* A slipping spring loses its error across the slip, and along it has the error of the solution, as has a new
- * spring. The error is at most twice the largest friction force. */
+/* A spring that slips forgets its old error along the way, and is off there by what this tick was solved to,
+ * as is a spring that starts. Across the way slipping leaves the stiffness k kept_i of k. With M these
+ * stiffnesses and K the tissue's, old errors a give the forces (1/M + 1/K)^-1 a = M^1/2 C M^1/2 a, where C
+ * contracts: of contact j at i no more than sqrt(kept_i kept_j) k a_j, and a neighbour may stick, kept_j = 1.
+ * No spring is off by more than from one side of what it holds to the other. */
 double contact_set_doubt(contact_set *set, double error) {
     double all = 0.0, sum = 0.0;
     contact_touch *t = set->next.touch;

@@ -241,7 +241,6 @@ static void assess(palp_realtime *rt, tick *t) {
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = t->place_error * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
-    t->info.error_known = rt->anchored <= t->fresh_error;
     double most = most_error(rt, t);
     t->near = t->info.force_error_N > NEAR * most;
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
