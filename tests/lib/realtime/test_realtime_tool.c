@@ -110,6 +110,38 @@ START_TEST(sudden_withdrawal) {
 }
 END_TEST
 
+/* A sphere at 100 mm/s on stiff contacts is too fast for two corrections a tick: where the force is off by as
+ * much as it is, the estimate says so. */
+START_TEST(too_fast_is_told) {
+    palp_contact_settings stiff = palp_contact_settings_default();
+    stiff.stiffness = 200.0;
+    palp_realtime *net = cube_touched(7, 2, &stiff), *reference = cube_touched(7, 2, &stiff);
+    const palp_budget two = {.corrections = 2};
+    size_t astray = 0;
+    for (size_t i = 1; i <= 50; i++) {
+        const palp_tool tool = {.shape = PALP_TOOL_SPHERE,
+                                .position_m = {0.0121, HEIGHT + 0.005 - fmin(3e-3, 1e-4 * (double)i), 0.0123},
+                                .radius_m = 0.005};
+        palp_tool_force felt[2];
+        palp_tick_info info;
+        ck_assert_int_eq(palp_network_set_tools(net_of(net), 1, &tool), PALP_OK);
+        ck_assert_int_eq(palp_network_set_tools(net_of(reference), 1, &tool), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(net, 0.0, 1e-3, &two, &info), PALP_OK);
+        ck_assert_int_eq(palp_realtime_step(reference, 0.0, 1e-3, &ALL, NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_tool_force(net_of(net), &felt[0]), PALP_OK);
+        ck_assert_int_eq(palp_network_tool_force(net_of(reference), &felt[1]), PALP_OK);
+        if (fabs(felt[0].force_N[1] - felt[1].force_N[1]) > fabs(felt[0].force_N[1])) {
+            astray++;
+            ck_assert(!info.converged);
+            ck_assert_double_gt(info.force_error_N, fabs(felt[0].force_N[1]));
+        }
+    }
+    ck_assert_uint_gt(astray, 0);
+    drop(net);
+    drop(reference);
+}
+END_TEST
+
 /* One that is taken away altogether is not followed. */
 START_TEST(taken_away) {
     const palp_budget two = {.corrections = 2};
@@ -224,5 +256,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, tool_is_felt);
     tcase_add_test(tc, rough_tool_within_a_tick);
     tcase_add_test(tc, sudden_withdrawal);
+    tcase_add_test(tc, too_fast_is_told);
     tcase_add_test(tc, taken_away);
 }
