@@ -54,9 +54,9 @@ typedef struct palp_tick_info {
     double residual; /* |residual| / |element forces| */
     double force_N;  /* reaction conjugate to depth by virtual work: its error is of second order */
     double force_error_N; /* its estimated error and that of the forces on tools, rather too large than too
-                             small: with tools some 100 times the error in the median, with friction up to
-                             some 600 times. Where it exceeds the force, the force may be anything: a larger
-                             budget is needed (doc/realtime.md, Fast tools) */
+                             small: with tools hundreds of times the error, with friction that slides
+                             thousands of times beyond two corrections. Where it exceeds the force, the force
+                             may be anything: a larger budget is needed (doc/realtime.md, Fast tools) */
     double seconds;       /* that the call took */
     double beyond;        /* as in palp_step_info */
     size_t inverted; /* likewise; a tick assesses a 16th of the tetrahedra, so the count covers the last 16
