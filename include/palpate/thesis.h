@@ -24,7 +24,8 @@ PALP_API palp_status palp_thesis_grid(size_t n, const palp_recording *recordings
                                       palp_error *error);
 
 /* Figure 5.6: what palp_calibrate_static does, for a polynomial, by multiplying the law's curve by target
- * over force and fitting again until the residual grows. ERR_UNSUPPORTED: a law that is no polynomial. */
+ * over force and fitting again until the residual grows. ERR_UNSUPPORTED: a law that is no polynomial;
+ * ERR_ARGUMENT: a target that is not above 0. */
 PALP_API palp_status palp_thesis_fixed_point(palp_network *network, const palp_material *start, size_t n,
                                              const double *depth_m, const double *target_N,
                                              const palp_static_settings *settings, palp_calibration *result);

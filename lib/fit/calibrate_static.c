@@ -135,7 +135,7 @@ static palp_status check(const static_stage *s) {
     if (s->n <= law->n + 1 || s->settings->max_evaluations < 2 || !(s->tolerance > 0.0))
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < s->n; i++)
-        if (!(s->depth[i] > (i ? s->depth[i - 1] : 0.0)) || !isfinite(s->target[i]) || !(s->target[i] > 0.0))
+        if (!(s->depth[i] > (i ? s->depth[i - 1] : 0.0)) || !isfinite(s->target[i]))
             return PALP_ERR_ARGUMENT;
     double strain = s->depth[s->n - 1] / s->net->height;
     if (!(strain < 1.0) || !(palp_law_minimum(law, strain) > 0.0))

@@ -107,15 +107,17 @@ static palp_status report(two_level *c, const palp_material *fine, const double 
     palp_calibration *r = c->result;
     palp_calibrate_iteration it = {.material = *fine};
     size_t last = sample_of(c, c->n_reached - 1), own = sample_of(c, branch_presses(c) - 1);
-    double sum = 0.0, squares = 0.0;
+    double sum = 0.0, squares = 0.0, peak = 0.0;
     *miss = 0.0;
     for (size_t i = 0; i < c->n; i++) {
         c->force[i] = c->ratio[i] * coarse[i <= last ? i : last];
         double off = c->force[i] - c->target[i], here = c->force[i <= own ? i : own] - c->target[i];
         sum += off * off;
         squares += here * here;
-        *miss = i <= own ? fmax(*miss, fabs(off) / c->target[c->n - 1]) : *miss;
+        peak = fmax(peak, c->target[i]);
+        *miss = i <= own ? fmax(*miss, fabs(off)) : *miss;
     }
+    *miss /= peak;
     it.residual_N = sqrt(sum);
     if (r->n_iterations == 0 || squares < c->least) {
         c->least = squares;

@@ -45,6 +45,10 @@ static palp_status solve(static_stage *s) {
     if (!strain)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < s->n; i++) {
+        if (!(s->target[i] > 0.0)) {
+            free(strain);
+            return PALP_ERR_ARGUMENT;
+        }
         strain[i] = s->depth[i] / s->net->height;
         strain[s->n + i] = s->target[i];
     }

@@ -51,4 +51,10 @@ near "27 nodes at half the depth" "$(at network.csv)" "$(at lumped.csv)" 0 0.02
 expect 0 calibrate $L lumped.csv --nodes 3 --scaling none --stage static --json
 near "fitted to a run: samples" "$(value out samples)" "$(grep -c '^[0-9]' lumped.csv)" 0 1
 near "fitted to a run: residual a sample" "$(value out residual | awk '{ print $1 / sqrt(100) }')" 0 0 0.01
+# By its noise a sample just past contact has no force, or a negative one.
+awk -F, '/^[0-9]/ { d = ++n % 2 ? 0.04 : -0.04; if (n > 1) { print $1 "," $2 "," $3 + d; next } } { print }' lumped.csv >noisy.csv
+awk -F, '/^[0-9]/ && $2 > 0 && $3 <= 0 { found = 1 } END { exit !found }' noisy.csv || fail "noisy.csv: all forces are positive"
+expect 0 calibrate $L noisy.csv --nodes 3 --stage static --json
+near "noise of 0.04 N: residual a sample" "$(value out residual | awk '{ print $1 / sqrt(100) }')" 0.04 0.1
+expect 1 calibrate $L noisy.csv --nodes 3 --stage static --method fixed_point; says "noisy.csv: the force at 0.097 mm is"
 done_testing

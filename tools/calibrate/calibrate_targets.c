@@ -93,6 +93,10 @@ static int static_from_run(const char *file, const palp_experiment *run, calibra
     for (size_t i = 0; i < rows; i++) {
         if (1e-3 * depth_mm[i] > deepest) {
             deepest = 1e-3 * depth_mm[i];
+            if (s->static_method == METHOD_FIXED_POINT && !(force_N[i] > 0))
+                return cli_failure(
+                    NAME, "%s: the force at %.4g mm is %.4g N; --method fixed_point needs forces above 0",
+                    file, depth_mm[i], force_N[i]);
             s->depth_m[s->n_static] = deepest;
             s->force_N[s->n_static++] = force_N[i];
         }

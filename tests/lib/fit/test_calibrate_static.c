@@ -301,7 +301,8 @@ START_TEST(bad_input) {
     STATUS(&quartic, N, depth, target, &other, PALP_ERR_ARGUMENT);
     other.curve_tolerance = NAN;
     STATUS(&quartic, N, depth, target, &other, PALP_ERR_ARGUMENT);
-    const double depths_bad[4] = {0.0, -0.001, NAN, INFINITY}, targets_bad[4] = {0.0, -1.0, NAN, INFINITY};
+    const double depths_bad[4] = {0.0, -0.001, NAN, INFINITY},
+                 targets_bad[4] = {-INFINITY, -1e6, NAN, INFINITY}; /* -1e6: all in all no press */
     for (size_t i = 0; i < 4; i++) {
         memcpy(changed, depth, sizeof changed);
         changed[i == 3 ? N - 1 : 0] = depths_bad[i];
@@ -310,6 +311,10 @@ START_TEST(bad_input) {
         changed[7] = targets_bad[i];
         STATUS(&quartic, N, depth, changed, &settings, PALP_ERR_ARGUMENT);
     }
+    memcpy(changed, target, sizeof changed);
+    changed[0] = 0.0;
+    ck_assert_int_eq(palp_thesis_fixed_point(network, &quartic, N, depth, changed, &settings, &result),
+                     PALP_ERR_ARGUMENT); /* it divides by the force */
     memcpy(changed, depth, sizeof changed);
     changed[N - 1] = CUBE_HEIGHT_M;
     STATUS(&quartic, N, changed, target, &settings, PALP_ERR_ARGUMENT);
