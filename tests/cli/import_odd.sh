@@ -175,6 +175,7 @@ for name in simplified wide japanese traditional; do taken $name; done
 if printf x | iconv -f GB18030 -t UTF-8 >/dev/null 2>&1; then
     iconv -f UTF-8 -t GB18030 simplified.csv >gbk.csv && taken gbk
     iconv -f UTF-8 -t CP932 japanese.csv >sjis.csv && taken sjis
+    iconv -f UTF-8 -t BIG5 traditional.csv >big5.csv && taken big5
 fi
 { head -c 1000 simplified.csv && printf '\0' && tail -c +1001 simplified.csv; } >nul.csv
 taken nul

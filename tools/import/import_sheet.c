@@ -23,7 +23,8 @@ char *import_read_stream(FILE *stream, size_t *size) {
         if (n < capacity - 1) {
             text[n] = '\0';
             *size = n;
-            return text;
+            char *fitting = realloc(text, n + 1); /* no room behind the text, where a reader must not look */
+            return fitting ? fitting : text;
         }
         char *larger = realloc(text, capacity *= 2);
         if (!larger)

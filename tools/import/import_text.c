@@ -131,9 +131,12 @@ static char *from_encoding(const char *encoding, char *from, size_t size, size_t
 static char *from_east_asia(char *from, size_t size, size_t *length) {
     static const char *const encodings[] = {"GB18030", "CP932", "BIG5"};
     for (size_t i = 0; i < sizeof encodings / sizeof *encodings; i++) {
-        char *text = from_encoding(encodings[i], from, size, length);
-        if (text && import_names_in_han(text))
+        size_t converted;
+        char *text = from_encoding(encodings[i], from, size, &converted);
+        if (text && import_names_in_han(text)) {
+            *length = converted;
             return text;
+        }
         free(text);
     }
     return NULL;
