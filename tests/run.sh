@@ -94,6 +94,7 @@ sanitized() {
     build asan BUILD="$BUILD/asan" SANITIZE=1 tests
     programs asan "$BUILD/asan"
     scripts asan "$BUILD/asan"
+    add "asan seeds of the fuzzed readers" "sh tests/fuzz/run.sh seeds"
 }
 optimized() {
     man=$(command -v scdoc >/dev/null && echo man)

@@ -1,22 +1,34 @@
 #!/bin/sh
 # run.sh: bounded runs of libFuzzer on every reader, from the files of the tests and seeds/; the same each time.
 #   tests/fuzz/run.sh [RUNS [READER ...]]     default 10000 of each; for long hunts e.g. 10000000 mesh
+#   tests/fuzz/run.sh seeds [READER ...]      each file once, with the compiler and objects of the sanitized build
 set -eu
 cd "$(dirname "$0")/../.."
 runs=${1:-10000}
 [ $# -eq 0 ] || shift
-BUILD=${BUILD:-build}/fuzz
-export BUILD
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-command -v clang >/dev/null || { echo "there is no clang"; exit 77; }
-echo 'int LLVMFuzzerTestOneInput(const char *d, long n); int LLVMFuzzerTestOneInput(const char *d, long n) { return n < 0 && *d; }' >"$work/none.c"
-clang -fsanitize=fuzzer,address,undefined -o "$work/none" "$work/none.c" 2>/dev/null ||
-    { echo "clang has no libFuzzer"; exit 77; }
-
 san=address,undefined
-${MAKE:-make} --no-print-directory BUILD="$BUILD" SANITIZE= CFLAGS="-g -O1 -fsanitize=fuzzer-no-link,$san -fno-sanitize-recover=all" \
-    LDFLAGS="-fsanitize=$san" CC="${FUZZ_CC:-clang}" "$BUILD/palpate" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+build() { ${MAKE:-make} --no-print-directory BUILD="$BUILD" "$@" "$BUILD/palpate" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }; }
+
+if [ "$runs" = seeds ]; then
+    BUILD=${BUILD:-build}/asan
+    build SANITIZE=1
+    compiler=$(sed 's/ -Iinclude.*//' "$BUILD/flags")
+    fuzzer=
+    driver=tests/fuzz/replay.c
+else
+    BUILD=${BUILD:-build}/fuzz
+    compiler=clang
+    fuzzer=fuzzer,
+    driver=
+    command -v clang >/dev/null || { echo "there is no clang"; exit 77; }
+    echo 'int LLVMFuzzerTestOneInput(const char *d, long n); int LLVMFuzzerTestOneInput(const char *d, long n) { return n < 0 && *d; }' >"$work/none.c"
+    clang -fsanitize=fuzzer,address,undefined -o "$work/none" "$work/none.c" 2>/dev/null ||
+        { echo "clang has no libFuzzer"; exit 77; }
+
+    build SANITIZE= CFLAGS="-g -O1 -fsanitize=fuzzer-no-link,$san -fno-sanitize-recover=all" LDFLAGS="-fsanitize=$san" CC="${FUZZ_CC:-clang}"
+fi
 rm -f "$BUILD/tools.a"
 find "$BUILD/obj/tools" -name '*.o' ! -name palpate.o -exec ar qcs "$BUILD/tools.a" {} +
 
@@ -40,17 +52,23 @@ seeds_of() {
 
 [ $# -gt 0 ] || set -- experiment model mesh import protocol calibration script reduced report wire
 for reader in "$@"; do
-    [ "$reader" != wire ] || runs=$((40 * runs)) # no file is written for it
+    [ "$reader$driver" != wire ] || runs=$((40 * runs)) # no file is written for it
     TMPDIR=$work/$reader
     export TMPDIR
     mkdir -p "$TMPDIR/found" "$TMPDIR/seeds"
     seeds_of "$reader" | xargs -I{} cp {} "$TMPDIR/seeds"
     # shellcheck disable=SC2046
-    clang -std=c99 -g -O1 -fsanitize=fuzzer,$san -fno-sanitize-recover=all -Iinclude -Itools -Ifirmware/core -Ifirmware/board \
-        -o "$TMPDIR/fuzz" "tests/fuzz/fuzz_$reader.c" $([ "$reader" != wire ] || echo tests/lib/wire_make.c) \
+    $compiler -std=c99 -g -O1 -fsanitize=$fuzzer$san -fno-sanitize-recover=all -Iinclude -Itools -Ifirmware/core -Ifirmware/board \
+        -o "$TMPDIR/fuzz" "tests/fuzz/fuzz_$reader.c" $driver $([ "$reader" != wire ] || echo tests/lib/wire_make.c) \
         "$BUILD/tools.a" "$BUILD/libindenter.a" "$BUILD/libpalpate.a" \
         $(${MAKE:-make} --no-print-directory -s libs)
-    if ! "$TMPDIR/fuzz" -runs="$runs" -seed=1 -max_len=16384 -timeout=20 -rss_limit_mb=4096 -close_fd_mask=3 -artifact_prefix="$TMPDIR/" \
+    if [ "$driver" ]; then
+        PATH=$work "$TMPDIR/fuzz" "$TMPDIR/seeds"/* >"$TMPDIR/log" 2>&1 || { echo "$reader:"; tail -n 60 "$TMPDIR/log"; exit 1; }
+        echo "$reader: $(tail -n 1 "$TMPDIR/log")"
+        continue
+    fi
+    # PATH: no spreadsheet's helper program takes part.
+    if ! PATH=$work "$TMPDIR/fuzz" -runs="$runs" -seed=1 -max_len=16384 -timeout=20 -rss_limit_mb=4096 -close_fd_mask=3 -artifact_prefix="$TMPDIR/" \
         "$TMPDIR/found" "$TMPDIR/seeds" >"$TMPDIR/log" 2>&1; then
         tail -n 60 "$TMPDIR/log"
         cp "$TMPDIR"/crash-* "$TMPDIR"/timeout-* "$TMPDIR"/oom-* "$TMPDIR"/leak-* "${SCRATCH:-.}" 2>/dev/null
