@@ -31,7 +31,7 @@ static const int UNIT = 1;
 static const double ONE = 1.0, ZERO = 0.0;
 
 /* A leading dimension: BLAS takes none below 1. */
-static int leading(size_t rows) {
+static int leading_dimension_for(size_t rows) {
     return rows > 0 ? (int)rows : 1;
 }
 
@@ -43,9 +43,9 @@ double dense_dot(size_t n, const double *a, const double *b) {
 }
 
 /* With no columns BLAS returns at once and leaves y unchanged. */
-static void times(const char *transposed, size_t m, size_t n, double alpha, const double *a, const double *x,
-                  double beta, double *y) {
-    const int rows = (int)m, columns = (int)n, ld = leading(m);
+static void multiply_matrix_vector(const char *transposed, size_t m, size_t n, double alpha, const double *a,
+                                   const double *x, double beta, double *y) {
+    const int rows = (int)m, columns = (int)n, ld = leading_dimension_for(m);
     size_t summed = *transposed == 'T' ? m : n, length = *transposed == 'T' ? n : m;
     if (summed > 0)
         dgemv_(transposed, &rows, &columns, &alpha, a, &ld, x, &UNIT, &beta, y, &UNIT);
@@ -55,21 +55,23 @@ static void times(const char *transposed, size_t m, size_t n, double alpha, cons
 }
 
 void dense_times(size_t m, size_t n, double alpha, const double *a, const double *x, double beta, double *y) {
-    times("N", m, n, alpha, a, x, beta, y);
+    multiply_matrix_vector("N", m, n, alpha, a, x, beta, y);
 }
 
 void dense_transposed_times(size_t m, size_t n, double alpha, const double *a, const double *x, double beta,
                             double *y) {
-    times("T", m, n, alpha, a, x, beta, y);
+    multiply_matrix_vector("T", m, n, alpha, a, x, beta, y);
 }
 
 void dense_product(size_t m, size_t n, size_t k, const double *a, const double *b, double *c) {
-    const int rows = (int)m, columns = (int)n, depth = (int)k, lda = leading(m), ldb = leading(k);
+    const int rows = (int)m, columns = (int)n, depth = (int)k, lda = leading_dimension_for(m),
+              ldb = leading_dimension_for(k);
     dgemm_("N", "N", &rows, &columns, &depth, &ONE, a, &lda, b, &ldb, &ZERO, c, &lda);
 }
 
 void dense_transposed_product(size_t m, size_t n, size_t k, const double *a, const double *b, double *c) {
-    const int rows = (int)m, columns = (int)n, depth = (int)k, ld = leading(k), ldc = leading(m);
+    const int rows = (int)m, columns = (int)n, depth = (int)k, ld = leading_dimension_for(k),
+              ldc = leading_dimension_for(m);
     dgemm_("T", "N", &rows, &columns, &depth, &ONE, a, &ld, b, &ld, &ZERO, c, &ldc);
 }
 
@@ -82,7 +84,7 @@ void dense_add_outer(size_t m, size_t n, size_t k, double alpha, const double *a
 
 /* A lower triangle in rows is LAPACK's upper triangle by columns. */
 bool dense_cholesky(size_t n, double *a) {
-    const int order = (int)n, ld = leading(n);
+    const int order = (int)n, ld = leading_dimension_for(n);
     int info = 0;
     dpotrf_("U", &order, a, &ld, &info);
     return info == 0;
@@ -96,12 +98,12 @@ double dense_log_determinant(size_t n, const double *l) {
 }
 
 void dense_forward(size_t n, const double *l, size_t count, double *b) {
-    const int order = (int)n, columns = (int)count, ld = leading(n);
+    const int order = (int)n, columns = (int)count, ld = leading_dimension_for(n);
     dtrsm_("L", "U", "T", "N", &order, &columns, &ONE, l, &ld, b, &ld);
 }
 
 void dense_backward(size_t n, const double *l, size_t count, double *b) {
-    const int order = (int)n, columns = (int)count, ld = leading(n);
+    const int order = (int)n, columns = (int)count, ld = leading_dimension_for(n);
     dtrsm_("L", "U", "N", "N", &order, &columns, &ONE, l, &ld, b, &ld);
 }
 
@@ -111,20 +113,20 @@ void dense_cholesky_solve(size_t n, const double *l, size_t count, double *b) {
 }
 
 bool dense_ldl(size_t n, double *a, int *pivot, double *work) {
-    const int order = (int)n, ld = leading(n), room = DENSE_WORK * ld;
+    const int order = (int)n, ld = leading_dimension_for(n), room = DENSE_WORK * ld;
     int info = 0;
     dsytrf_("U", &order, a, &ld, pivot, work, &room, &info);
     return info == 0;
 }
 
 void dense_ldl_solve(size_t n, const double *a, const int *pivot, size_t count, double *b) {
-    const int order = (int)n, columns = (int)count, ld = leading(n);
+    const int order = (int)n, columns = (int)count, ld = leading_dimension_for(n);
     int info = 0;
     dsytrs_("U", &order, &columns, a, &ld, pivot, b, &ld, &info);
 }
 
 void dense_triangle_of(size_t m, size_t n, double *a, double *tau, double *work, double *l) {
-    const int rows = (int)m, columns = (int)n, ld = leading(m), room = DENSE_WORK * (int)n;
+    const int rows = (int)m, columns = (int)n, ld = leading_dimension_for(m), room = DENSE_WORK * (int)n;
     int info = 0;
     dgeqrf_(&rows, &columns, a, &ld, tau, work, &room, &info);
     memset(l, 0, n * n * sizeof *l);
@@ -148,7 +150,7 @@ void dense_band_backward(size_t n, size_t width, const double *l, size_t ld, dou
 }
 
 palp_status dense_eigen(size_t n, double *a, double *w) {
-    const int order = (int)n, ld = leading(n), room = (int)(34 * n + 1);
+    const int order = (int)n, ld = leading_dimension_for(n), room = (int)(34 * n + 1);
     int info = 0;
     double *work = malloc((size_t)room * sizeof *work);
     if (!work)

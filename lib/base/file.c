@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static void text_set(palp_error *error, size_t from, const char *format, va_list arguments) {
+static void format_error_text(palp_error *error, size_t from, const char *format, va_list arguments) {
     if (from < sizeof error->text)
         vsnprintf(error->text + from, sizeof error->text - from, format, arguments);
     palp_text_make_plain(error->text);
@@ -23,7 +23,7 @@ palp_status palp_error_set(palp_error *error, palp_status status, const char *fo
     error->status = status;
     va_list arguments;
     va_start(arguments, format);
-    text_set(error, 0, format, arguments);
+    format_error_text(error, 0, format, arguments);
     va_end(arguments);
     return status;
 }
@@ -36,7 +36,7 @@ palp_status palp_error_set_line(palp_error *error, palp_status status, const cha
     int from = snprintf(error->text, sizeof error->text, "%s:%zu: ", path, line);
     va_list arguments;
     va_start(arguments, format);
-    text_set(error, from > 0 ? (size_t)from : 0, format, arguments);
+    format_error_text(error, from > 0 ? (size_t)from : 0, format, arguments);
     va_end(arguments);
     return status;
 }
@@ -56,15 +56,15 @@ palp_status palp_error_set_file(palp_error *error, const char *path, const char 
 }
 
 /* Buffer for a file: its size if it is a regular file, otherwise a first guess. */
-static size_t size_guess(FILE *stream) {
+static size_t guess_stream_size(FILE *stream) {
     struct stat info;
     if (fstat(fileno(stream), &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0)
         return (size_t)info.st_size + 2; /* for the NUL, and one more so that fread finds the end */
     return 65536;
 }
 
-static palp_status read_stream(FILE *stream, char **text, size_t *size) {
-    size_t capacity = size_guess(stream), n = 0;
+static palp_status read_stream_to_end(FILE *stream, char **text, size_t *size) {
+    size_t capacity = guess_stream_size(stream), n = 0;
     char *buffer = malloc(capacity);
     while (buffer) {
         n += fread(buffer + n, 1, capacity - 1 - n, stream);
@@ -91,7 +91,7 @@ palp_status palp_file_read(const char *path, char **text, size_t *size, palp_err
     if (!stream)
         return palp_error_set_file(error, path, "cannot open", errno);
     errno = 0;
-    palp_status status = read_stream(stream, text, size);
+    palp_status status = read_stream_to_end(stream, text, size);
     int number = errno;
     bool failed = ferror(stream) != 0;
     fclose(stream);
@@ -111,7 +111,7 @@ char *palp_text_copy(const char *text) {
     return copy ? memcpy(copy, text, size) : NULL;
 }
 
-static void file_free(palp_file *file) {
+static void release_file_paths(palp_file *file) {
     free(file->target);
     free(file->temporary);
     memset(file, 0, sizeof *file);
@@ -145,7 +145,7 @@ static int open_temporary(palp_file *file, const struct stat *replaced) {
     return fd;
 }
 
-static int open_target(palp_file *file) {
+static int open_output_target(palp_file *file) {
     struct stat info;
     if (strcmp(file->path, "/dev/stdout") == 0)
         return fflush(stdout) == 0 ? dup(STDOUT_FILENO) : -1;
@@ -155,7 +155,7 @@ static int open_target(palp_file *file) {
 }
 
 /* Replaces *path by the target of the symbolic link there; 0 or an errno, EINVAL if it is no link. */
-static int follow_link(char **path) {
+static int follow_symbolic_link(char **path) {
     char to[PATH_MAX];
     ssize_t n = readlink(*path, to, sizeof to);
     if (n < 0)
@@ -174,7 +174,7 @@ static int follow_link(char **path) {
 }
 
 /* Resolves symbolic links, even if the last one's target does not exist; returns an errno. */
-static int resolve(const char *path, char **target) {
+static int resolve_symbolic_links(const char *path, char **target) {
     enum { LINKS_MOST = 40 };
     struct stat info;
     *target = realpath(path, NULL);
@@ -184,7 +184,7 @@ static int resolve(const char *path, char **target) {
     int number = *target ? 0 : ENOMEM;
     bool there = stat(path, &info) == 0; /* such as a pipe in /dev/fd, which has no path */
     for (int i = 0; i < LINKS_MOST && !there && !number; i++)
-        number = follow_link(target);
+        number = follow_symbolic_link(target);
     return number == ENOMEM ? number : there || number ? 0 : ELOOP;
 }
 
@@ -193,11 +193,11 @@ palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error
         return palp_error_null(error);
     memset(file, 0, sizeof *file);
     file->path = path;
-    int number = resolve(path, &file->target), fd = -1;
+    int number = resolve_symbolic_links(path, &file->target), fd = -1;
     file->temporary = palp_text_copy("");
     number = file->temporary ? number : ENOMEM;
     if (!number) {
-        fd = open_target(file);
+        fd = open_output_target(file);
         file->stream = fd >= 0 ? fdopen(fd, "wb") : NULL;
         number = errno;
     }
@@ -208,7 +208,7 @@ palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error
         if (file->temporary[0])
             unlink(file->temporary);
     }
-    file_free(file);
+    release_file_paths(file);
     if (number == ENOMEM)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
     return palp_error_set_file(error, path, "cannot write", number);
@@ -216,7 +216,7 @@ palp_status palp_file_begin(palp_file *file, const char *path, palp_error *error
 
 /* Closes the file; 0, or the errno of the first failure since it was opened. If an earlier write failed and
  * its errno is lost, writing one more byte finds it again. */
-static int finish(palp_file *file, bool durable) {
+static int flush_and_close_stream(palp_file *file, bool durable) {
     int fd = fileno(file->stream);
     errno = 0;
     bool bad = ferror(file->stream) != 0;
@@ -232,43 +232,43 @@ static int finish(palp_file *file, bool durable) {
     return number;
 }
 
-static int replace(const palp_file *file) {
+static int rename_over_target(const palp_file *file) {
     return file->temporary[0] && rename(file->temporary, file->target) != 0 ? errno : 0;
 }
 
 /* Removes the unfinished file; returns the status for an errno. */
-static palp_status leave(palp_file *file, int number, palp_error *error) {
+static palp_status clean_up_after_write(palp_file *file, int number, palp_error *error) {
     if (number && file->temporary[0])
         unlink(file->temporary);
     palp_status status = number ? palp_error_set_file(error, file->path, "cannot write", number) : PALP_OK;
-    file_free(file);
+    release_file_paths(file);
     return status;
 }
 
 palp_status palp_file_commit(palp_file *file, bool durable, palp_error *error) {
     if (!file)
         return palp_error_null(error);
-    int number = finish(file, durable);
-    return leave(file, number ? number : replace(file), error);
+    int number = flush_and_close_stream(file, durable);
+    return clean_up_after_write(file, number ? number : rename_over_target(file), error);
 }
 
 palp_status palp_file_commit_pair(palp_file *first, palp_file *second, bool durable, palp_error *error) {
     if (!first || !second)
         return palp_error_null(error);
-    int number = finish(first, durable);
+    int number = flush_and_close_stream(first, durable);
     if (number) {
         palp_file_abandon(second);
-        return leave(first, number, error);
+        return clean_up_after_write(first, number, error);
     }
-    number = finish(second, durable);
+    number = flush_and_close_stream(second, durable);
     if (number) {
-        leave(first, number, NULL);
-        return leave(second, number, error);
+        clean_up_after_write(first, number, NULL);
+        return clean_up_after_write(second, number, error);
     }
-    palp_status status = leave(first, replace(first), error);
+    palp_status status = clean_up_after_write(first, rename_over_target(first), error);
     if (!status)
-        return leave(second, replace(second), error);
-    leave(second, EIO, NULL);
+        return clean_up_after_write(second, rename_over_target(second), error);
+    clean_up_after_write(second, EIO, NULL);
     return status;
 }
 
@@ -278,5 +278,5 @@ void palp_file_abandon(palp_file *file) {
     fclose(file->stream);
     if (file->temporary[0])
         unlink(file->temporary);
-    file_free(file);
+    release_file_paths(file);
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static palp_status syntax_fail(const palp_json_file *file, const json_error_t *json) {
+static palp_status report_syntax_error(const palp_json_file *file, const json_error_t *json) {
     bool memory = json_error_code(json) == json_error_out_of_memory || !json->text[0];
     if (memory)
         return palp_error_set(file->error, PALP_ERR_NO_MEMORY, "%s: out of memory", file->path);
@@ -25,7 +25,7 @@ palp_status palp_json_open(const char *path, palp_json_file *file, palp_json *ro
         return status;
     file->root = json_loadb(file->text, size, JSON_REJECT_DUPLICATES, &json);
     if (!file->root) {
-        status = syntax_fail(file, &json);
+        status = report_syntax_error(file, &json);
         palp_json_close(file);
         return status;
     }
@@ -42,22 +42,22 @@ void palp_json_close(palp_json_file *file) {
 
 /* Jansson has parsed this text, so the walk needs no error checks; it still stops at the NUL. */
 
-static const char *skip_blank(const char *p) {
+static const char *skip_white_space(const char *p) {
     return p + strspn(p, " \t\r\n");
 }
 
-static const char *string_end(const char *p) {
+static const char *find_string_end(const char *p) {
     for (p++; *p && *p != '"'; p++)
         if (*p == '\\' && p[1])
             p++;
     return *p ? p + 1 : p;
 }
 
-static const char *value_end(const char *p) {
+static const char *find_value_end(const char *p) {
     int depth = 0;
     do {
         if (*p == '"')
-            p = string_end(p);
+            p = find_string_end(p);
         else if (*p == '{' || *p == '[') {
             depth++;
             p++;
@@ -71,47 +71,48 @@ static const char *value_end(const char *p) {
 }
 
 /* From the end of a member or item to the start of the next; NULL after the last. */
-static const char *next_start(const char *p) {
-    p = skip_blank(value_end(p));
-    return *p == ',' ? skip_blank(p + 1) : NULL;
+static const char *find_next_entry(const char *p) {
+    p = skip_white_space(find_value_end(p));
+    return *p == ',' ? skip_white_space(p + 1) : NULL;
 }
 
 /* Where the value of the key that starts at p starts. */
-static const char *key_value(const char *p) {
-    p = skip_blank(string_end(p));
-    return skip_blank(*p == ':' ? p + 1 : p);
+static const char *find_value_of_key(const char *p) {
+    p = skip_white_space(find_string_end(p));
+    return skip_white_space(*p == ':' ? p + 1 : p);
 }
 
-static const char *member_start(const char *object, const char *key) {
+static const char *find_member_start(const char *object, const char *key) {
     size_t length = strlen(key);
-    const char *p = skip_blank(object + 1);
+    const char *p = skip_white_space(object + 1);
     while (p && *p == '"') {
-        if ((size_t)(string_end(p) - p) == length + 2 && memcmp(p + 1, key, length) == 0)
+        if ((size_t)(find_string_end(p) - p) == length + 2 && memcmp(p + 1, key, length) == 0)
             return p;
-        p = next_start(key_value(p));
+        p = find_next_entry(find_value_of_key(p));
     }
     return object; /* a key with escapes: the nearest known place */
 }
 
-static const char *item_start(const char *array, size_t index) {
-    const char *p = skip_blank(array + 1);
+static const char *find_item_start(const char *array, size_t index) {
+    const char *p = skip_white_space(array + 1);
     for (; p && index > 0; index--)
-        p = next_start(p);
+        p = find_next_entry(p);
     return p ? p : array;
 }
 
-static const char *value_start(const palp_json *at) {
+static const char *find_value_start(const palp_json *at) {
     if (!at->parent)
-        return skip_blank(at->file->text);
-    const char *parent = value_start(at->parent);
+        return skip_white_space(at->file->text);
+    const char *parent = find_value_start(at->parent);
     if (!at->key)
-        return item_start(parent, at->index);
-    const char *p = member_start(parent, at->key);
-    return p == parent ? p : key_value(p);
+        return find_item_start(parent, at->index);
+    const char *p = find_member_start(parent, at->key);
+    return p == parent ? p : find_value_of_key(p);
 }
 
-static size_t line_of(const palp_json *at) {
-    const char *p = at->parent && at->key ? member_start(value_start(at->parent), at->key) : value_start(at);
+static size_t find_line_of_value(const palp_json *at) {
+    const char *p = at->parent && at->key ? find_member_start(find_value_start(at->parent), at->key)
+                                          : find_value_start(at);
     size_t line = 1;
     for (const char *c = at->file->text; c < p; c++)
         line += *c == '\n';
@@ -119,10 +120,10 @@ static size_t line_of(const palp_json *at) {
 }
 
 /* Appends the dotted name, "arms[1].viscosity_Ns", and returns the length with it. */
-static size_t name_append(const palp_json *at, char *name, size_t size, size_t n) {
+static size_t append_dotted_name(const palp_json *at, char *name, size_t size, size_t n) {
     if (!at->parent)
         return n;
-    n = name_append(at->parent, name, size, n);
+    n = append_dotted_name(at->parent, name, size, n);
     int added = at->key ? snprintf(name + n, size - n, "%s%s", n ? "." : "", at->key)
                         : snprintf(name + n, size - n, "[%zu]", at->index);
     n += added > 0 ? (size_t)added : 0;
@@ -137,28 +138,29 @@ palp_status palp_json_fail(const palp_json *at, palp_status status, const char *
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    size_t n = name_append(at, name, sizeof name, 0);
-    return palp_error_set_line(at->file->error, status, at->file->path, line_of(at), "%s%s%s", name,
-                               n ? " " : "", text);
+    size_t n = append_dotted_name(at, name, sizeof name, 0);
+    return palp_error_set_line(at->file->error, status, at->file->path, find_line_of_value(at), "%s%s%s",
+                               name, n ? " " : "", text);
 }
 
-static size_t stem_length(const char *key) {
+static size_t length_without_unit(const char *key) {
     const char *unit = strrchr(key, '_');
     return unit ? (size_t)(unit - key) : strlen(key);
 }
 
 const char *palp_key_hint(const char *key, size_t n, const char *const *expected) {
     for (size_t i = 0; i < n; i++) {
-        size_t stem = stem_length(expected[i]);
+        size_t stem = length_without_unit(expected[i]);
         if (expected[i][stem] != '_' || strncmp(key, expected[i], stem) != 0)
             continue;
-        if (key[stem] == '\0' || (key[stem] == '_' && stem_length(key) == stem))
+        if (key[stem] == '\0' || (key[stem] == '_' && length_without_unit(key) == stem))
             return expected[i];
     }
     return NULL;
 }
 
-static palp_status unknown_fail(const palp_json *at, const char *key, size_t n, const char *const *allowed) {
+static palp_status report_unknown_key(const palp_json *at, const char *key, size_t n,
+                                      const char *const *allowed) {
     char list[256] = "";
     const char *hint = palp_key_hint(key, n, allowed);
     palp_json unknown = {at->file, at, key, 0, NULL};
@@ -171,7 +173,7 @@ static palp_status unknown_fail(const palp_json *at, const char *key, size_t n, 
     return palp_json_fail(&unknown, PALP_ERR_INPUT, "is no known key: known here are %s", list);
 }
 
-static bool listed(const char *key, size_t n, const char *const *allowed) {
+static bool is_key_in_list(const char *key, size_t n, const char *const *allowed) {
     for (size_t i = 0; i < n; i++)
         if (strcmp(key, allowed[i]) == 0)
             return true;
@@ -183,8 +185,9 @@ palp_status palp_json_keys(const palp_json *at, size_t n, const char *const *all
     json_t *value;
     if (!json_is_object(at->value))
         return palp_json_fail(at, PALP_ERR_INPUT, "must be an object {...}");
-    json_object_foreach(at->value, key, value) if (!listed(key, n, allowed)) return unknown_fail(at, key, n,
-                                                                                                 allowed);
+    json_object_foreach(at->value, key,
+                        value) if (!is_key_in_list(key, n, allowed)) return report_unknown_key(at, key, n,
+                                                                                               allowed);
     return PALP_OK;
 }
 

@@ -21,7 +21,7 @@ void palp_locale_leave(palp_locale *scope) {
 }
 
 /* w 10^exponent if both are exact doubles: rounded once, as by strtod (Clinger 1990). */
-static bool exact_product(uint64_t w, int exponent, double *value) {
+static bool scale_by_exact_power(uint64_t w, int exponent, double *value) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     if (FLT_EVAL_METHOD != 0 || w > ((uint64_t)1 << 53) || exponent < -22 || exponent > 22)
@@ -31,7 +31,7 @@ static bool exact_product(uint64_t w, int exponent, double *value) {
 }
 
 /* Adds the digits at p to *w (modulo 2^64) and returns their end. */
-static const char *digits_read(const char *p, uint64_t *w) {
+static const char *accumulate_digits(const char *p, uint64_t *w) {
     uint64_t sum = *w;
     for (unsigned digit; (digit = (unsigned)*p - '0') < 10; p++)
         sum = 10 * sum + digit;
@@ -40,7 +40,7 @@ static const char *digits_read(const char *p, uint64_t *w) {
 }
 
 /* Reads an exponent part at p, if complete, into *exponent; returns its end. */
-static const char *exponent_read(const char *p, int *exponent) {
+static const char *parse_exponent_part(const char *p, int *exponent) {
     const char *digit = p + 1;
     bool negative = *digit == '-';
     if (*digit == '-' || *digit == '+')
@@ -61,11 +61,11 @@ const char *palp_number_parse(const char *text, double *value) {
         p++;
     const char *first = p;
     uint64_t w = 0;
-    p = digits_read(p, &w);
+    p = accumulate_digits(p, &w);
     ptrdiff_t digits = p - first, decimals = 0;
     if (*p == '.') {
         const char *point = p;
-        p = digits_read(p + 1, &w);
+        p = accumulate_digits(p + 1, &w);
         decimals = p - point - 1;
         digits += decimals;
     }
@@ -73,8 +73,8 @@ const char *palp_number_parse(const char *text, double *value) {
         return NULL;
     int exponent = decimals < 100 ? -(int)decimals : -100;
     if (*p == 'e' || *p == 'E')
-        p = exponent_read(p, &exponent);
-    if (digits <= 19 && exact_product(w, exponent, value))
+        p = parse_exponent_part(p, &exponent);
+    if (digits <= 19 && scale_by_exact_power(w, exponent, value))
         *value = negative ? -*value : *value;
     else
         *value = strtod(text, NULL);

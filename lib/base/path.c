@@ -7,26 +7,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double *array_copy(size_t n, const double *values) {
+static double *duplicate_array(size_t n, const double *values) {
     double *copy = malloc(n * sizeof *copy);
     return copy ? memcpy(copy, values, n * sizeof *copy) : NULL;
 }
 
-static bool corners_valid(size_t n, const double *time_s, const double *values) {
+static bool are_corners_valid(size_t n, const double *time_s, const double *values) {
     for (size_t i = 0; i < n; i++)
         if (!isfinite(time_s[i]) || !isfinite(values[i]) || (i > 0 && !(time_s[i] > time_s[i - 1])))
             return false;
     return n > 0 && n <= SIZE_MAX / sizeof(double);
 }
 
-static palp_status create(size_t n, const double *time_s, const double *values, bool force, palp_path *path) {
+static palp_status create_from_corners(size_t n, const double *time_s, const double *values, bool force,
+                                       palp_path *path) {
     memset(path, 0, sizeof *path);
-    if (!corners_valid(n, time_s, values))
+    if (!are_corners_valid(n, time_s, values))
         return PALP_ERR_ARGUMENT;
     double **slot = force ? &path->force_N : &path->depth_m;
     path->n = n;
-    path->time_s = array_copy(n, time_s);
-    *slot = array_copy(n, values);
+    path->time_s = duplicate_array(n, time_s);
+    *slot = duplicate_array(n, values);
     if (path->time_s && *slot)
         return PALP_OK;
     palp_path_free(path);
@@ -36,32 +37,33 @@ static palp_status create(size_t n, const double *time_s, const double *values, 
 palp_status palp_path_create(size_t n, const double *time_s, const double *depth_m, palp_path *path) {
     if (!time_s || !depth_m || !path)
         return PALP_ERR_ARGUMENT;
-    return create(n, time_s, depth_m, false, path);
+    return create_from_corners(n, time_s, depth_m, false, path);
 }
 
 palp_status palp_path_static(double depth_m, double rate_m_s, palp_path *path) {
     if (!path)
         return PALP_ERR_ARGUMENT;
     double time_s[2] = {0, fabs(depth_m) / rate_m_s}, corner_m[2] = {0, depth_m};
-    return create(2, time_s, corner_m, false, path);
+    return create_from_corners(2, time_s, corner_m, false, path);
 }
 
 /* From 0 to value in ramp_s (at once if 0), then constant for hold_s (none if 0). */
-static palp_status ramp_hold(double value, double ramp_s, double hold_s, bool force, palp_path *path) {
+static palp_status create_ramp_and_hold(double value, double ramp_s, double hold_s, bool force,
+                                        palp_path *path) {
     memset(path, 0, sizeof *path);
     if (!(ramp_s >= 0) || !(hold_s >= 0))
         return PALP_ERR_ARGUMENT;
     double time_s[3] = {0, ramp_s, ramp_s + hold_s}, corner[3] = {0, value, value};
     size_t from = ramp_s > 0 ? 0u : 1u, to = hold_s > 0 ? 3u : 2u;
-    return create(to - from, time_s + from, corner + from, force, path);
+    return create_from_corners(to - from, time_s + from, corner + from, force, path);
 }
 
 palp_status palp_path_ramp_hold(double depth_m, double ramp_s, double hold_s, palp_path *path) {
-    return path ? ramp_hold(depth_m, ramp_s, hold_s, false, path) : PALP_ERR_ARGUMENT;
+    return path ? create_ramp_and_hold(depth_m, ramp_s, hold_s, false, path) : PALP_ERR_ARGUMENT;
 }
 
 palp_status palp_path_creep(double force_N, double ramp_s, double hold_s, palp_path *path) {
-    return path ? ramp_hold(force_N, ramp_s, hold_s, true, path) : PALP_ERR_ARGUMENT;
+    return path ? create_ramp_and_hold(force_N, ramp_s, hold_s, true, path) : PALP_ERR_ARGUMENT;
 }
 
 palp_status palp_path_cyclic(double depth_m, double rate_m_s, size_t cycles, palp_path *path) {
@@ -79,7 +81,7 @@ palp_status palp_path_cyclic(double depth_m, double rate_m_s, size_t cycles, pal
             time_s[i] = (double)i * half_s;
             corner_m[i] = i % 2 ? depth_m : 0;
         }
-        status = create(n, time_s, corner_m, false, path);
+        status = create_from_corners(n, time_s, corner_m, false, path);
     }
     free(time_s);
     free(corner_m);

@@ -70,7 +70,7 @@ statistics_line statistics_line_fit(size_t n, const double *x, const double *y, 
 
 /* Distribution function of chi squared: closed form for 1 and 2 degrees of freedom, otherwise by
  * recursion. */
-static double chi2_below(size_t freedom, double x) {
+static double chi_squared_probability(size_t freedom, double x) {
     size_t k = freedom % 2 ? 1 : 2;
     double below = k == 1 ? erf(sqrt(0.5 * x)) : -expm1(-0.5 * x);
     double term = exp(-0.5 * x) * (k == 1 ? 1.1283791670955126 * sqrt(0.5 * x) : 0.5 * x); /* 2 / sqrt(pi) */
@@ -100,7 +100,7 @@ double statistics_chi2_quantile(size_t freedom, double share) {
     double low = 0.0, high = (double)freedom + 40.0 + 20.0 * sqrt((double)freedom);
     for (int i = 0; i < 200 && high > low; i++) {
         double middle = 0.5 * (low + high);
-        if (middle > 0.0 && chi2_below(freedom, middle) < share)
+        if (middle > 0.0 && chi_squared_probability(freedom, middle) < share)
             low = middle;
         else
             high = middle;

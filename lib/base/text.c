@@ -4,7 +4,7 @@
 #include <palpate/file.h>
 
 /* Length of the character at p, which is not the end; 0 = invalid UTF-8. *code is its code point. */
-static int utf8_length(const unsigned char *p, unsigned long *code) {
+static int decode_utf8_character(const unsigned char *p, unsigned long *code) {
     static const unsigned long least[] = {0, 0x80, 0x800, 0x10000};
     int more = *p < 0x80 ? 0 : *p < 0xC2 ? -1 : *p < 0xE0 ? 1 : *p < 0xF0 ? 2 : *p < 0xF5 ? 3 : -1;
     *code = more > 0 ? *p & (0x3Fu >> more) : *p;
@@ -21,12 +21,12 @@ bool palp_text_is_utf8(const char *text) {
     unsigned long code;
     int n = 1;
     for (const unsigned char *p = (const unsigned char *)text; *p && n > 0; p += n)
-        n = utf8_length(p, &code);
+        n = decode_utf8_character(p, &code);
     return n > 0;
 }
 
 /* Control characters, line and paragraph separators, and marks of writing direction. */
-static bool is_control(unsigned long code) {
+static bool is_control_character(unsigned long code) {
     return code < ' ' || (code >= 0x7F && code < 0xA0) || (code >= 0x2028 && code <= 0x202E) ||
            (code >= 0x2066 && code <= 0x2069);
 }
@@ -34,8 +34,8 @@ static bool is_control(unsigned long code) {
 char *palp_text_make_plain(char *text) {
     unsigned long code;
     for (unsigned char *p = (unsigned char *)text; p && *p;) {
-        int n = utf8_length(p, &code);
-        bool plain = n > 0 && !is_control(code);
+        int n = decode_utf8_character(p, &code);
+        bool plain = n > 0 && !is_control_character(code);
         for (int i = 0; i < (n > 0 ? n : 1); i++, p++)
             *p = plain ? *p : '?';
     }

@@ -21,7 +21,7 @@ double contact_distance(const palp_tool *tool, const double point[3]) {
 }
 
 /* Could a triangle be within this distance of a tool's axis? Uses the sphere around its middle. */
-static bool near(const palp_tool *tool, double distance, const double *const corner[3]) {
+static bool is_triangle_near_axis(const palp_tool *tool, double distance, const double *const corner[3]) {
     double middle[3], radius = 0.0;
     for (int k = 0; k < 3; k++)
         middle[k] = (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0;
@@ -34,7 +34,7 @@ static bool near(const palp_tool *tool, double distance, const double *const cor
 }
 
 /* Slope of the distance to the triangle from the point at t of a capsule's axis. */
-static double slope_at(const palp_tool *tool, double t, const double *const corner[3]) {
+static double distance_slope_along_axis(const palp_tool *tool, double t, const double *const corner[3]) {
     double centre[3], pulled[3], share[3];
     along3(tool->position_m, t, tool->axis, centre);
     for (int k = 0; k < 3; k++)
@@ -48,17 +48,18 @@ static double slope_at(const palp_tool *tool, double t, const double *const corn
 
 /* Point of a capsule's axis nearest to a triangle. The distance is convex: regula falsi (Illinois) on its
  * slope. */
-static double nearest_along(const palp_tool *tool, const double *const corner[3]) {
+static double nearest_point_on_axis(const palp_tool *tool, const double *const corner[3]) {
     enum { ROUNDS = 12 };
     double low = 0.0, high = tool->length_m, t = 0.0;
     if (tool->shape != PALP_TOOL_CAPSULE || high == 0.0)
         return 0.0;
-    double at_low = slope_at(tool, low, corner), at_high = slope_at(tool, high, corner);
+    double at_low = distance_slope_along_axis(tool, low, corner),
+           at_high = distance_slope_along_axis(tool, high, corner);
     if (at_low >= 0.0 || at_high <= 0.0)
         return at_low >= 0.0 ? low : high;
     for (int i = 0, side = 0; i < ROUNDS && high - low > 1e-3 * tool->length_m; i++) {
         t = (low * at_high - high * at_low) / (at_high - at_low);
-        double at = slope_at(tool, t, corner);
+        double at = distance_slope_along_axis(tool, t, corner);
         if (at == 0.0)
             break;
         if (at < 0.0) {
@@ -80,11 +81,11 @@ double contact_slid(const contact_set *set, const contact *c, const double *x) {
     if (c->corners == 1)
         return 0.0;
     const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
-    return fabs(nearest_along(&set->pose[c->tool], corner) - c->along);
+    return fabs(nearest_point_on_axis(&set->pose[c->tool], corner) - c->along);
 }
 
 /* 1 where the tool meets a surface with this normal from above, less from the side, 0 from behind. */
-static double fading(const palp_tool *tool, const double normal[3], const contact *c) {
+static double fade_by_surface_normal(const palp_tool *tool, const double normal[3], const contact *c) {
     double to[3], length = sqrt(dot3(normal, normal));
     along3(tool->position_m, c->along, tool->axis, to);
     along3(to, -1.0, c->point, to);
@@ -95,7 +96,8 @@ static double fading(const palp_tool *tool, const double normal[3], const contac
 
 /* Factor of a contact's stiffness: 1 where the tool meets the triangle from above, less from the side, 0 from
  * behind. */
-static double facing(const palp_tool *tool, const double *const corner[3], double edge, const contact *c) {
+static double triangle_facing_factor(const palp_tool *tool, const double *const corner[3], double edge,
+                                     const contact *c) {
     double ab[3], ac[3], normal[3];
     along3(corner[1], -1.0, corner[0], ab);
     along3(corner[2], -1.0, corner[0], ac);
@@ -105,11 +107,11 @@ static double facing(const palp_tool *tool, const double *const corner[3], doubl
         return 0.0;
     if (fmin(c->share[0], fmin(c->share[1], c->share[2])) > 0.0)
         return c->distance > -0.5 * edge ? 1.0 : 0.0;
-    return fading(tool, normal, c);
+    return fade_by_surface_normal(tool, normal, c);
 }
 
 /* The committed state's record of a contact, or NULL. Records are mostly in the order of contacts. */
-static const contact_touch *find_touch(const contact_set *set, const contact *c, size_t *cursor) {
+static const contact_touch *find_remembered_touch(const contact_set *set, const contact *c, size_t *cursor) {
     const contact_touch *touch = set->now.touch;
     size_t n = set->now.n_touches;
     for (size_t i = 0; i < n; i++) {
@@ -124,7 +126,8 @@ static const contact_touch *find_touch(const contact_set *set, const contact *c,
 
 /* Where a point of the tool that was at place is now: it follows the tool's position and the smallest
  * rotation of its axis. */
-static void tool_moved(const palp_tool *was, const palp_tool *is, const double place[3], double moved[3]) {
+static void displacement_of_tool_point(const palp_tool *was, const palp_tool *is, const double place[3],
+                                       double moved[3]) {
     double arm[3], turn[3], once[3], twice[3];
     along3(is->position_m, -1.0, was->position_m, moved);
     if (is->shape == PALP_TOOL_SPHERE)
@@ -142,15 +145,16 @@ static void tool_moved(const palp_tool *was, const palp_tool *is, const double p
 
 /* Sets where friction's spring starts, and the share of the step since contact began. False for a tool that
  * came from below the surface. */
-static bool anchor(const contact_set *set, const double *committed, contact *c, size_t *cursor) {
+static bool place_friction_anchor(const contact_set *set, const double *committed, contact *c,
+                                  size_t *cursor) {
     const palp_tool *pose = &set->pose[c->tool], *was = &set->now.pose[c->tool];
     bool known = (size_t)c->tool < set->now.n_tools && was->shape == pose->shape;
-    const contact_touch *touch = known ? find_touch(set, c, cursor) : NULL;
+    const contact_touch *touch = known ? find_remembered_touch(set, c, cursor) : NULL;
     double place[3], moved[3] = {0.0};
     memcpy(c->stick_share, c->share, sizeof c->stick_share);
     contact_point(c, c->stick_share, committed, place);
     if (known)
-        tool_moved(was, pose, place, moved);
+        displacement_of_tool_point(was, pose, place, moved);
     along3(place, 1.0, moved, c->anchor);
     c->entry = 1.0;
     c->touched = touch != NULL;
@@ -178,13 +182,13 @@ typedef struct search {
     size_t cursor;               /* in the committed records of contact */
 } search;
 
-static void add(search *s, contact *c) {
+static void add_contact_to_set(search *s, contact *c) {
     contact_set *set = s->set;
-    if (set->n_contacts < set->max_contacts && anchor(set, s->committed, c, &s->cursor))
+    if (set->n_contacts < set->max_contacts && place_friction_anchor(set, s->committed, c, &s->cursor))
         set->contact[set->n_contacts++] = *c;
 }
 
-static void find_nodes(search *s, int32_t tool, double reach) {
+static void find_node_contacts(search *s, int32_t tool, double reach) {
     const contact_set *set = s->set;
     const palp_tool *pose = &set->pose[tool];
     const double *x = s->x;
@@ -195,12 +199,13 @@ static void find_nodes(search *s, int32_t tool, double reach) {
         contact c = {.tool = tool, .node = {(int32_t)i, -1, -1}, .corners = 1};
         contact_measure(pose, &c, x);
         c.stiffness = set->settings.stiffness * set->modulus * set->unit[i];
-        add(s, &c);
+        add_contact_to_set(s, &c);
     }
 }
 
 /* Factor of the stiffness of a node's contact, by the mean normal of its triangles. */
-static double node_facing(const contact_set *set, const palp_tool *tool, const contact *c, const double *x) {
+static double node_facing_factor(const contact_set *set, const palp_tool *tool, const contact *c,
+                                 const double *x) {
     double normal[3] = {0.0}, ab[3], ac[3], own[3];
     const int32_t node = c->node[0];
     if (tool->shape == PALP_TOOL_PLANE)
@@ -212,7 +217,7 @@ static double node_facing(const contact_set *set, const palp_tool *tool, const c
         cross3(ab, ac, own);
         along3(normal, 1.0, own, normal);
     }
-    return fading(tool, normal, c);
+    return fade_by_surface_normal(tool, normal, c);
 }
 
 /* The compliance b h / E, h the spacing, that a lattice lacks below a contact of radius a under Hertz's
@@ -225,13 +230,13 @@ static double local_compliance(double radius_in_spacings) {
 
 /* The penalty of a point of a smooth surface: for a sphere or capsule what the tissue below lacks in the
  * mesh. A plane touches all nodes, however its force is spread. */
-static double point_stiffness(const contact_set *set, const palp_tool *tool, int32_t node) {
+static double stiffness_of_node_contact(const contact_set *set, const palp_tool *tool, int32_t node) {
     if (tool->shape != PALP_TOOL_PLANE)
         return set->modulus * set->local[node] / local_compliance(tool->radius_m / set->spacing);
     return set->settings.stiffness * set->modulus * set->unit[node];
 }
 
-static void find_points(search *s, int32_t tool, double reach) {
+static void find_point_contacts(search *s, int32_t tool, double reach) {
     const contact_set *set = s->set;
     const palp_tool *pose = &set->pose[tool];
     for (size_t i = 0; i < set->points.n; i++) {
@@ -240,14 +245,14 @@ static void find_points(search *s, int32_t tool, double reach) {
         contact_measure(pose, &c, s->x);
         if (!(c.depth > -reach))
             continue;
-        c.stiffness = node_facing(set, pose, &c, s->x) * point_stiffness(set, pose, node);
+        c.stiffness = node_facing_factor(set, pose, &c, s->x) * stiffness_of_node_contact(set, pose, node);
         if (c.stiffness > 0.0)
-            add(s, &c);
+            add_contact_to_set(s, &c);
     }
 }
 
 /* A triangle's share of the stiffness of its nodes. */
-static double triangle_stiffness(const contact_set *set, const int32_t *node) {
+static double stiffness_of_triangle(const contact_set *set, const int32_t *node) {
     double sum = 0.0;
     for (int i = 0; i < 3; i++)
         sum += set->unit[node[i]] / set->triangles[node[i]];
@@ -255,7 +260,7 @@ static double triangle_stiffness(const contact_set *set, const int32_t *node) {
 }
 
 /* low, high: the box around a tool, enlarged by slack. */
-static void box(const palp_tool *tool, double slack, double low[3], double high[3]) {
+static void bounding_box_of_tool(const palp_tool *tool, double slack, double low[3], double high[3]) {
     for (int k = 0; k < 3; k++) {
         double start = tool->position_m[k];
         double end = start + (tool->shape == PALP_TOOL_CAPSULE ? tool->length_m * tool->axis[k] : 0.0);
@@ -264,7 +269,7 @@ static void box(const palp_tool *tool, double slack, double low[3], double high[
     }
 }
 
-static bool overlap(const double low[3], const double high[3], const double *const corner[3]) {
+static bool triangle_overlaps_box(const double low[3], const double high[3], const double *const corner[3]) {
     const double *a = corner[0], *b = corner[1], *c = corner[2];
     for (int k = 0; k < 3; k++)
         if ((a[k] < low[k] && b[k] < low[k] && c[k] < low[k]) ||
@@ -273,23 +278,23 @@ static bool overlap(const double low[3], const double high[3], const double *con
     return true;
 }
 
-static void find_triangles(search *s, int32_t tool, double reach) {
+static void find_triangle_contacts(search *s, int32_t tool, double reach) {
     const contact_set *set = s->set;
     const palp_tool *pose = &set->pose[tool];
     const double *x = s->x;
     double low[3], high[3], around = reach + pose->radius_m;
-    box(pose, around, low, high);
+    bounding_box_of_tool(pose, around, low, high);
     for (size_t i = 0; i < set->n_surface; i++) {
         const int32_t *node = set->surface + 3 * i;
         const double *corner[3] = {x + 3 * node[0], x + 3 * node[1], x + 3 * node[2]};
-        if (!overlap(low, high, corner) || !near(pose, around, corner))
+        if (!triangle_overlaps_box(low, high, corner) || !is_triangle_near_axis(pose, around, corner))
             continue;
         contact c = {.tool = tool, .node = {node[0], node[1], node[2]}, .corners = 3};
-        c.along = nearest_along(pose, corner);
+        c.along = nearest_point_on_axis(pose, corner);
         contact_measure(pose, &c, x);
-        c.stiffness = facing(pose, corner, set->edge, &c) * triangle_stiffness(set, node);
+        c.stiffness = triangle_facing_factor(pose, corner, set->edge, &c) * stiffness_of_triangle(set, node);
         if (c.depth > -reach && c.stiffness > 0.0)
-            add(s, &c);
+            add_contact_to_set(s, &c);
     }
 }
 
@@ -315,10 +320,10 @@ void contact_find(contact_set *set, const double *committed, const double *x) {
     for (size_t i = 0; i < set->n_tools; i++) {
         double reach = REACH * set->edge + contact_travel(set, &set->pose[i], i);
         if (set->points.first)
-            find_points(&s, (int32_t)i, reach);
+            find_point_contacts(&s, (int32_t)i, reach);
         else if (set->pose[i].shape == PALP_TOOL_PLANE)
-            find_nodes(&s, (int32_t)i, reach);
+            find_node_contacts(&s, (int32_t)i, reach);
         else
-            find_triangles(&s, (int32_t)i, reach);
+            find_triangle_contacts(&s, (int32_t)i, reach);
     }
 }

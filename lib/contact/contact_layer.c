@@ -54,7 +54,7 @@ contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tool
 
 /* ---- places -------------------------------------------------------------------------------------- */
 
-static void list_active(contact_layer *l, const contact_set *set) {
+static void list_touched_vertices(contact_layer *l, const contact_set *set) {
     for (size_t i = 0; i < l->n_active; i++)
         l->is_active[l->active[i]] = false;
     l->n_active = 0;
@@ -69,7 +69,7 @@ static void list_active(contact_layer *l, const contact_set *set) {
 
 /* Is a node so near a tool's way in this step that one of its vertices may be touched? Assumes that elements
  * stretch to twice their length at most. */
-static bool may_touch(const contact_layer *l, const contact_set *set, const double *x) {
+static bool may_node_touch_tool(const contact_layer *l, const contact_set *set, const double *x) {
     for (size_t i = 0; i < set->n_tools; i++) {
         const palp_tool *tool = &set->tool[i];
         double around = tool->shape == PALP_TOOL_PLANE ? 0.0 : tool->radius_m;
@@ -81,11 +81,12 @@ static bool may_touch(const contact_layer *l, const contact_set *set, const doub
 }
 
 /* Lists vertices near tools, with their present and committed positions. */
-static void list_near(contact_layer *l, contact_set *set, const double *now, const double *next) {
+static void list_vertices_near_tools(contact_layer *l, contact_set *set, const double *now,
+                                     const double *next) {
     const skin *s = &l->skin;
     size_t n = 0;
     for (size_t i = 0; i < s->n_nodes; i++) {
-        if (s->home_first[i] == s->home_first[i + 1] || !may_touch(l, set, next + 3 * i))
+        if (s->home_first[i] == s->home_first[i + 1] || !may_node_touch_tool(l, set, next + 3 * i))
             continue;
         for (uint32_t k = s->home_first[i]; k < s->home_first[i + 1]; k++) {
             const int32_t v = l->near[n++] = s->home[k];
@@ -100,16 +101,16 @@ static void list_near(contact_layer *l, contact_set *set, const double *now, con
 }
 
 void layer_place(contact_layer *l, contact_set *set, double share, const double *now, const double *next) {
-    list_near(l, set, now, next);
+    list_vertices_near_tools(l, set, now, next);
     contact_set_place(set, share, l->committed, l->x);
-    list_active(l, set);
+    list_touched_vertices(l, set);
 }
 
 bool layer_refresh(contact_layer *l, contact_set *set, const double *now, const double *next) {
-    list_near(l, set, now, next);
+    list_vertices_near_tools(l, set, now, next);
     bool slid = contact_set_refresh(set, l->committed, l->x);
     if (slid)
-        list_active(l, set);
+        list_touched_vertices(l, set);
     return slid;
 }
 
@@ -129,7 +130,7 @@ size_t layer_corner(const contact_layer *l, int32_t vertex, const int32_t **node
 /* ---- forces and tangent -------------------------------------------------------------------------- */
 
 /* Distributes the forces of vertices in out to the nodes. */
-static void give(const contact_layer *l, double *to) {
+static void spread_forces_to_nodes(const contact_layer *l, double *to) {
     for (size_t i = 0; i < l->n_active; i++) {
         double *force = l->out + 3 * l->active[i];
         skin_give_vertex(&l->skin, l->active[i], force, to);
@@ -139,7 +140,7 @@ static void give(const contact_layer *l, double *to) {
 
 void layer_evaluate(contact_layer *l, contact_set *set, const double *next, double *force, double *squares) {
     contact_set_evaluate(set, layer_places(l, next), l->out, squares);
-    give(l, force);
+    spread_forces_to_nodes(l, force);
 }
 
 void layer_times(const contact_layer *l, const contact_set *set, contact_product *times, const double *u,
@@ -149,11 +150,11 @@ void layer_times(const contact_layer *l, const contact_set *set, contact_product
     for (size_t i = 0; i < set->n_contacts; i++)
         if (set->contact[i].depth > 0.0)
             times(&set->contact[i], l->in, l->out);
-    give(l, out);
+    spread_forces_to_nodes(l, out);
 }
 
 /* half[9 (n a + i)]: sum over corners b of block (a, b) times the weight of node i in corner b. */
-static void half_blocks(const contact_layer *l, const contact *c, size_t n) {
+static void multiply_blocks_by_shares(const contact_layer *l, const contact *c, size_t n) {
     memset(l->half, 0, 9 * n * (size_t)c->corners * sizeof *l->half);
     for (int a = 0; a < c->corners; a++)
         for (int b = 0; b < c->corners; b++) {
@@ -168,8 +169,8 @@ static void half_blocks(const contact_layer *l, const contact *c, size_t n) {
 }
 
 /* Adds the block of nodes i and j <= i, among the n of a contact, to that of their pair. */
-static void add_pair(const contact_layer *l, const contact *c, size_t n, size_t i, size_t j,
-                     size_t *n_touched) {
+static void add_block_of_node_pair(const contact_layer *l, const contact *c, size_t n, size_t i, size_t j,
+                                   size_t *n_touched) {
     const uint32_t pair = skin_pair(&l->skin, l->stencil[j], l->stencil[i]);
     double *block = l->block + 9 * (size_t)pair;
     if (!l->is_touched[pair])
@@ -187,10 +188,10 @@ void layer_blocks(const contact_layer *l, const contact_set *set, network_block_
         if (!(c->depth > 0.0))
             continue;
         size_t n = skin_stencil(&l->skin, c->corners, c->node, l->stencil, l->share);
-        half_blocks(l, c, n);
+        multiply_blocks_by_shares(l, c, n);
         for (size_t i = 0; i < n; i++)
             for (size_t j = 0; j <= i; j++)
-                add_pair(l, c, n, i, j, &n_touched);
+                add_block_of_node_pair(l, c, n, i, j, &n_touched);
     }
     for (size_t i = 0; i < n_touched; i++) {
         const uint32_t pair = l->touched[i];

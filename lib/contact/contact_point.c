@@ -43,7 +43,7 @@ void contact_nearest(const double *const corner[3], const double p[3], double sh
 }
 
 /* The nearest point is inside the triangle: distance along its normal. */
-static void measure_face(const double *const corner[3], const double centre[3], contact *c) {
+static void measure_distance_to_face(const double *const corner[3], const double centre[3], contact *c) {
     double ab[3], ac[3], normal[3], to[3];
     along3(corner[1], -1.0, corner[0], ab);
     along3(corner[2], -1.0, corner[0], ac);
@@ -63,7 +63,7 @@ static void measure_face(const double *const corner[3], const double centre[3], 
 }
 
 /* It is on an edge or in a corner. */
-static void measure_rim(const double *const corner[3], const double centre[3], contact *c) {
+static void measure_distance_to_edge(const double *const corner[3], const double centre[3], contact *c) {
     double to[3];
     along3(centre, -1.0, c->point, to);
     c->distance = sqrt(dot3(to, to));
@@ -93,7 +93,7 @@ double contact_along(const palp_tool *tool, const double point[3]) {
 }
 
 /* A node is touched by a plane, or by the sphere of a tool that is nearest to it. */
-static void measure_node(const palp_tool *tool, contact *c, const double *x) {
+static void measure_depth_of_node(const palp_tool *tool, contact *c, const double *x) {
     memcpy(c->share, (double[]){1.0, 0.0, 0.0}, sizeof c->share);
     memcpy(c->point, x + 3 * c->node[0], sizeof c->point);
     if (tool->shape == PALP_TOOL_PLANE) {
@@ -105,48 +105,48 @@ static void measure_node(const palp_tool *tool, contact *c, const double *x) {
     c->along = contact_along(tool, c->point);
     along3(tool->position_m, c->along, tool->axis, centre);
     const double *corner[3] = {c->point, c->point, c->point};
-    measure_rim(corner, centre, c);
+    measure_distance_to_edge(corner, centre, c);
     c->depth = tool->radius_m - c->distance;
 }
 
-static bool inside(const contact *c) {
+static bool is_inside_triangle(const contact *c) {
     return c->share[0] > 0.0 && c->share[1] > 0.0 && c->share[2] > 0.0;
 }
 
 void contact_measure(const palp_tool *tool, contact *c, const double *x) {
     double centre[3];
     if (c->corners == 1) {
-        measure_node(tool, c, x);
+        measure_depth_of_node(tool, c, x);
         return;
     }
     along3(tool->position_m, c->along, tool->axis, centre);
     const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
     contact_nearest(corner, centre, c->share);
     contact_point(c, c->share, x, c->point);
-    if (inside(c))
-        measure_face(corner, centre, c);
+    if (is_inside_triangle(c))
+        measure_distance_to_face(corner, centre, c);
     else
-        measure_rim(corner, centre, c);
+        measure_distance_to_edge(corner, centre, c);
     c->depth = tool->radius_m - c->distance;
 }
 
 /* ---- forces -------------------------------------------------------------------------------------- */
 
 /* Adds s (1 - a a') to a lower triangle. */
-static void add_across(double s, const double *a, double k[6]) {
+static void add_transverse_block(double s, const double *a, double k[6]) {
     for (int r = 0, i = 0; r < 3; r++)
         for (int c = 0; c <= r; c++, i++)
             k[i] += s * ((r == c) - a[r] * a[c]);
 }
 
-static void add_along(double s, const double *a, double k[6]) {
+static void add_longitudinal_block(double s, const double *a, double k[6]) {
     for (int r = 0, i = 0; r < 3; r++)
         for (int c = 0; c <= r; c++, i++)
             k[i] += s * a[r] * a[c];
 }
 
 /* Force of the penalty and its slope: quadratic up to the smoothing depth, then linear. */
-static double penalty(const contact_set *set, const contact *c, double *slope) {
+static double penalty_force_at_depth(const contact_set *set, const contact *c, double *slope) {
     double smooth = set->settings.smoothing * set->edge, d = c->depth;
     *slope = d < smooth ? c->stiffness * d / smooth : c->stiffness;
     return d < smooth ? 0.5 * d * *slope : c->stiffness * (d - 0.5 * smooth);
@@ -162,31 +162,31 @@ double contact_energy(const contact_set *set, const contact *c) {
 /* Tangent of the pressure along the normal, and across it where the point cannot give way on its triangle:
  * all round in a corner, across an edge on one. A capsule is straight along its axis. Returns the pressure's
  * slope by the depth. */
-static double normal_force(const contact_set *set, const palp_tool *tool, contact *c) {
+static double evaluate_normal_force(const contact_set *set, const palp_tool *tool, contact *c) {
     double slope, edge[3] = {0.0}, length = 0.0;
-    c->pressure = penalty(set, c, &slope);
+    c->pressure = penalty_force_at_depth(set, c, &slope);
     memset(c->normal_tangent, 0, sizeof c->normal_tangent);
-    add_along(slope, c->normal, c->normal_tangent);
-    if (tool->shape == PALP_TOOL_PLANE || inside(c) || !(c->distance > 0.0))
+    add_longitudinal_block(slope, c->normal, c->normal_tangent);
+    if (tool->shape == PALP_TOOL_PLANE || is_inside_triangle(c) || !(c->distance > 0.0))
         return slope;
     double bend = c->pressure / c->distance;
-    add_across(-bend, c->normal, c->normal_tangent);
+    add_transverse_block(-bend, c->normal, c->normal_tangent);
     for (int i = 0; i < 3 && length == 0.0; i++) {
         length = sqrt(dot3(c->gradient[i], c->gradient[i]));
         for (int k = 0; k < 3 && length > 0.0; k++)
             edge[k] = c->gradient[i][k] / length;
     }
     if (length > 0.0)
-        add_along(bend, edge, c->normal_tangent);
+        add_longitudinal_block(bend, edge, c->normal_tangent);
     else if (tool->shape == PALP_TOOL_CAPSULE && c->along > 0.0 && c->along < tool->length_m)
-        add_along(bend, tool->axis, c->normal_tangent);
+        add_longitudinal_block(bend, tool->axis, c->normal_tangent);
     return slope;
 }
 
 /* A spring as stiff as the penalty from the anchor to the point, along the surface; where it pulls harder
  * than friction holds, it slips (return mapping). The part of the tangent by which slip follows the pressure,
  * which has this slope, has no mirror image and stands apart, as drag: factors are of symmetric matrices. */
-static void friction_force(contact *c, double coefficient, double slope, const double *x) {
+static void evaluate_friction_force(contact *c, double coefficient, double slope, const double *x) {
     double u[3], stiffness = c->entry * c->stiffness, turn[3];
     contact_point(c, c->stick_share, x, u);
     along3(u, -1.0, c->anchor, u);
@@ -201,8 +201,8 @@ static void friction_force(contact *c, double coefficient, double slope, const d
         c->drag[k] = coefficient * slope * turn[k];
     }
     memset(c->friction_tangent, 0, sizeof c->friction_tangent);
-    add_across(share * stiffness, c->normal, c->friction_tangent);
-    add_along(-share * stiffness, turn, c->friction_tangent);
+    add_transverse_block(share * stiffness, c->normal, c->friction_tangent);
+    add_longitudinal_block(-share * stiffness, turn, c->friction_tangent);
 }
 
 void contact_evaluate(const contact_set *set, contact *c, const double *x) {
@@ -212,12 +212,12 @@ void contact_evaluate(const contact_set *set, contact *c, const double *x) {
         c->depth = 0.0; /* a tool that far through the surface has lost it */
     if (!(c->depth > 0.0))
         return;
-    const double slope = normal_force(set, tool, c);
+    const double slope = evaluate_normal_force(set, tool, c);
     if (tool->friction > 0.0)
-        friction_force(c, tool->friction, slope, x);
+        evaluate_friction_force(c, tool->friction, slope, x);
 }
 
-static void symmetric_times(const double k[6], const double *p, double out[3]) {
+static void multiply_symmetric_block(const double k[6], const double *p, double out[3]) {
     out[0] = k[0] * p[0] + k[1] * p[1] + k[3] * p[2];
     out[1] = k[1] * p[0] + k[2] * p[1] + k[4] * p[2];
     out[2] = k[3] * p[0] + k[4] * p[1] + k[5] * p[2];
@@ -230,8 +230,8 @@ void contact_times(const contact *c, const double *u, double *out) {
     double at_point[3], at_stick[3], along[3], slide[3] = {0.0}, across[3], turn[3];
     contact_point(c, c->share, u, at_point);
     contact_point(c, c->stick_share, u, at_stick);
-    symmetric_times(c->normal_tangent, at_point, along);
-    symmetric_times(c->friction_tangent, at_stick, across);
+    multiply_symmetric_block(c->normal_tangent, at_point, along);
+    multiply_symmetric_block(c->friction_tangent, at_stick, across);
     for (int j = 0; j < c->corners; j++)
         along3(slide, dot3(c->normal, u + 3 * c->node[j]), c->gradient[j], slide);
     along3(along, c->pressure, slide, along);

@@ -7,13 +7,13 @@ static const double SLID = 0.1; /* in edges: a contact whose point moved so far 
 
 /* ---- making -------------------------------------------------------------------------------------- */
 
-static void state_create(contact_state *s, arena *memory, size_t max_tools, size_t max_contacts) {
+static void allocate_contact_state(contact_state *s, arena *memory, size_t max_tools, size_t max_contacts) {
     s->pose = arena_take(memory, max_tools, sizeof *s->pose);
     s->felt = arena_take(memory, max_tools, sizeof *s->felt);
     s->touch = arena_take(memory, max_contacts, sizeof *s->touch);
 }
 
-static double mean_edge(const double *rest, size_t n_surface, const int32_t *surface) {
+static double mean_edge_length(const double *rest, size_t n_surface, const int32_t *surface) {
     double length = 0.0;
     for (size_t i = 0; i < 3 * n_surface; i++) {
         double d[3];
@@ -33,13 +33,13 @@ palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, 
     set->max_tools = max_tools;
     set->max_contacts = most > 0 && most < all ? most : all;
     set->unit = unit;
-    set->edge = n_surface > 0 ? mean_edge(rest, n_surface, surface) : edge;
+    set->edge = n_surface > 0 ? mean_edge_length(rest, n_surface, surface) : edge;
     set->tool = arena_take(memory, max_tools, sizeof *set->tool);
     set->pose = arena_take(memory, max_tools, sizeof *set->pose);
     set->contact = arena_take(memory, set->max_contacts, sizeof *set->contact);
     set->triangles = arena_take(memory, n_nodes, sizeof *set->triangles);
-    state_create(&set->now, memory, max_tools, set->max_contacts);
-    state_create(&set->next, memory, max_tools, set->max_contacts);
+    allocate_contact_state(&set->now, memory, max_tools, set->max_contacts);
+    allocate_contact_state(&set->next, memory, max_tools, set->max_contacts);
     if (memory->failed)
         return PALP_ERR_NO_MEMORY;
     contact_set_surface(set, n_surface, surface);
@@ -60,7 +60,7 @@ void contact_set_reset(contact_set *set) {
 
 /* ---- tools --------------------------------------------------------------------------------------- */
 
-static bool tool_sound(const palp_tool *t) {
+static bool are_tool_values_valid(const palp_tool *t) {
     if (t->shape > PALP_TOOL_PLANE || !finite3(t->position_m) || !(t->friction >= 0.0) ||
         !isfinite(t->friction))
         return false;
@@ -75,7 +75,7 @@ palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools
     if (n > set->max_tools || (n > 0 && !tools))
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++)
-        if (!tool_sound(&tools[i]))
+        if (!are_tool_values_valid(&tools[i]))
             return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++) {
         palp_tool *t = &set->tool[i];
@@ -96,7 +96,7 @@ double contact_set_way(const contact_set *set) {
 
 /* Is a point in the body? A line along y leaves the body as often as it enters: counts faces below less faces
  * above. An edge belongs to one of its faces. */
-static bool in_body(size_t n, const int32_t *surface, const double *x, const double *p) {
+static bool is_point_inside_body(size_t n, const int32_t *surface, const double *x, const double *p) {
     bool inside = false;
     for (size_t i = 0; i < n; i++) {
         const double *corner[3];
@@ -125,7 +125,7 @@ bool contact_set_inside(const contact_set *set, size_t n, const int32_t *surface
     for (size_t i = 0; i < set->n_tools; i++) {
         const palp_tool *tool = &set->next.pose[i];
         if (tool->shape != PALP_TOOL_PLANE && set->next.felt[i].contacts == 0 &&
-            in_body(n, surface, x, tool->position_m))
+            is_point_inside_body(n, surface, x, tool->position_m))
             return true;
     }
     return false;
@@ -134,7 +134,7 @@ bool contact_set_inside(const contact_set *set, size_t n, const int32_t *surface
 /* ---- a step -------------------------------------------------------------------------------------- */
 
 /* A tool at this share of its way; a new tool is at its target. */
-static palp_tool pose_at(const contact_set *set, size_t i, double share) {
+static palp_tool interpolate_tool_pose(const contact_set *set, size_t i, double share) {
     const palp_tool *was = &set->now.pose[i];
     palp_tool pose = set->tool[i];
     if (share == 1.0 || i >= set->now.n_tools || was->shape != pose.shape)
@@ -152,7 +152,7 @@ static palp_tool pose_at(const contact_set *set, size_t i, double share) {
 void contact_set_place(contact_set *set, double share, const double *committed, const double *x) {
     set->share = share;
     for (size_t i = 0; i < set->n_tools; i++)
-        set->pose[i] = pose_at(set, i, share);
+        set->pose[i] = interpolate_tool_pose(set, i, share);
     contact_find(set, committed, x);
 }
 
@@ -191,7 +191,8 @@ void contact_feel(const palp_tool *pose, const double point[3], double size, con
     along3(felt->moment_Nm, -size, moment, felt->moment_Nm);
 }
 
-static void feel_contact(const palp_tool *pose, const contact *c, const double *x, palp_tool_force *felt) {
+static void add_force_on_tool(const palp_tool *pose, const contact *c, const double *x,
+                              palp_tool_force *felt) {
     double stuck[3];
     contact_point(c, c->stick_share, x, stuck);
     contact_feel(pose, c->point, c->pressure, c->normal, felt);
@@ -212,7 +213,7 @@ void contact_set_finish(contact_set *set, const double *x) {
         const contact *c = &set->contact[i];
         if (!(c->depth > 0.0))
             continue;
-        feel_contact(&set->pose[c->tool], c, x, &next->felt[c->tool]);
+        add_force_on_tool(&set->pose[c->tool], c, x, &next->felt[c->tool]);
         contact_touch *t = &next->touch[next->n_touches++];
         t->tool = c->tool;
         memcpy(t->node, c->node, sizeof t->node);
@@ -222,7 +223,7 @@ void contact_set_finish(contact_set *set, const double *x) {
 }
 
 /* Largest friction force of a contact, N. */
-static double held(const contact_set *set, const contact *c) {
+static double friction_limit_of_contact(const contact_set *set, const contact *c) {
     return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
 }
 
@@ -235,13 +236,14 @@ double contact_set_doubt(contact_set *set, double error) {
     double all = 0.0, sum = 0.0;
     contact_touch *t = set->next.touch;
     for (size_t i = 0; i < set->n_contacts; i++)
-        all += held(set, &set->contact[i]);
+        all += friction_limit_of_contact(set, &set->contact[i]);
     for (size_t i = 0; i < set->n_contacts; i++) {
         const contact *c = &set->contact[i];
         if (!(c->depth > 0.0))
             continue;
         const bool moves = c->kept < 1.0 || !c->touched;
-        const double most = held(set, c), own = most > 0.0 && moves ? error * most / all : 0.0;
+        const double most = friction_limit_of_contact(set, c),
+                     own = most > 0.0 && moves ? error * most / all : 0.0;
         t->doubt = fmin(fmax(own, t->doubt + (1.0 - c->kept) * own), 2.0 * most);
         sum += t++->doubt;
     }

@@ -9,17 +9,17 @@ enum { MOST_SUBDIVISIONS = 4 };
 
 static const double LEAP = 0.1; /* of an edge: a tool that goes further in a step is not followed */
 
-static contact_set *set_of(network_term *term) {
+static contact_set *contact_set_of_term(network_term *term) {
     return &((contact_term *)term)->set;
 }
 
-static const contact_set *const_set_of(const network_term *term) {
+static const contact_set *const_contact_set_of_term(const network_term *term) {
     return &((const contact_term *)term)->set;
 }
 
 /* The nodes that corner j of a contact depends on. */
-static size_t corner_nodes(const contact_term *t, const contact *c, int j, const int32_t **node,
-                           const double **weight) {
+static size_t nodes_of_contact_corner(const contact_term *t, const contact *c, int j, const int32_t **node,
+                                      const double **weight) {
     static const double ONE = 1.0;
     if (t->layer)
         return layer_corner(t->layer, c->node[j], node, weight);
@@ -28,13 +28,13 @@ static size_t corner_nodes(const contact_term *t, const contact *c, int j, const
     return 1;
 }
 
-static void term_reset(network_term *term, palp_network *net) {
+static void reset_contact_term(network_term *term, palp_network *net) {
     (void)net;
-    contact_set_reset(set_of(term));
+    contact_set_reset(contact_set_of_term(term));
 }
 
-static void term_pass(network_term *term, palp_network *net, network_cursor *cursor) {
-    contact_set *set = set_of(term);
+static void pass_contact_state(network_term *term, palp_network *net, network_cursor *cursor) {
+    contact_set *set = contact_set_of_term(term);
     contact_state *now = &set->now;
     (void)net;
     network_pass(cursor, &set->n_tools, sizeof set->n_tools);
@@ -46,14 +46,14 @@ static void term_pass(network_term *term, palp_network *net, network_cursor *cur
     network_pass(cursor, now->touch, set->max_contacts * sizeof *now->touch);
 }
 
-static void term_swap(network_term *term, palp_network *net) {
+static void swap_contact_states(network_term *term, palp_network *net) {
     (void)net;
-    contact_set_swap(set_of(term));
+    contact_set_swap(contact_set_of_term(term));
 }
 
 /* ---- a step -------------------------------------------------------------------------------------- */
 
-static void term_begin(network_term *term, palp_network *net) {
+static void begin_contact_step(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     t->set.modulus = net->modulus;
     if (t->layer) {
@@ -66,7 +66,7 @@ static void term_begin(network_term *term, palp_network *net) {
     contact_set_place(&t->set, 1.0, net->now.x, net->now.x);
 }
 
-static void term_evaluate(network_term *term, palp_network *net) {
+static void evaluate_contact_forces(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     if (t->layer)
         layer_evaluate(t->layer, &t->set, net->next.x, net->outer, &net->outer_squares);
@@ -74,21 +74,21 @@ static void term_evaluate(network_term *term, palp_network *net) {
         contact_set_evaluate(&t->set, net->next.x, net->outer, &net->outer_squares);
 }
 
-static void term_finish(network_term *term, palp_network *net) {
+static void finish_contact_step(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     contact_set_finish(&t->set, t->layer ? layer_places(t->layer, net->next.x) : net->next.x);
 }
 
-static double term_way(const network_term *term, const palp_network *net) {
+static double longest_tool_way(const network_term *term, const palp_network *net) {
     (void)net;
-    return contact_set_way(const_set_of(term));
+    return contact_set_way(const_contact_set_of_term(term));
 }
 
-static bool term_inside(const network_term *term, const palp_network *net) {
-    return contact_set_inside(const_set_of(term), net->n_surface, net->surface, net->next.x);
+static bool is_any_tool_inside_body(const network_term *term, const palp_network *net) {
+    return contact_set_inside(const_contact_set_of_term(term), net->n_surface, net->surface, net->next.x);
 }
 
-static void term_place(network_term *term, palp_network *net, double share) {
+static void place_tools_on_their_way(network_term *term, palp_network *net, double share) {
     contact_term *t = (contact_term *)term;
     if (t->layer)
         layer_place(t->layer, &t->set, share, net->now.x, net->next.x);
@@ -96,7 +96,7 @@ static void term_place(network_term *term, palp_network *net, double share) {
         contact_set_place(&t->set, share, net->now.x, net->next.x);
 }
 
-static bool term_refresh(network_term *term, palp_network *net) {
+static bool refresh_contact_points(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     if (t->layer)
         return layer_refresh(t->layer, &t->set, net->now.x, net->next.x);
@@ -105,8 +105,8 @@ static bool term_refresh(network_term *term, palp_network *net) {
 
 /* ---- tangent and energy -------------------------------------------------------------------------- */
 
-static void term_blocks(const network_term *term, const palp_network *net, network_block_taker take,
-                        void *user) {
+static void take_contact_blocks(const network_term *term, const palp_network *net, network_block_taker take,
+                                void *user) {
     const contact_term *t = (const contact_term *)term;
     const contact_set *set = &t->set;
     double k[9];
@@ -125,7 +125,8 @@ static void term_blocks(const network_term *term, const palp_network *net, netwo
     }
 }
 
-static void add_times(const network_term *term, contact_product *times, const double *u, double *out) {
+static void add_contact_product(const network_term *term, contact_product *times, const double *u,
+                                double *out) {
     const contact_term *t = (const contact_term *)term;
     const contact_set *set = &t->set;
     if (t->layer) {
@@ -137,19 +138,20 @@ static void add_times(const network_term *term, contact_product *times, const do
             times(&set->contact[i], u, out);
 }
 
-static void term_times(const network_term *term, const palp_network *net, const double *u, double *out) {
+static void multiply_contact_tangent(const network_term *term, const palp_network *net, const double *u,
+                                     double *out) {
     (void)net;
-    add_times(term, contact_times, u, out);
+    add_contact_product(term, contact_times, u, out);
 }
 
-static void term_whole_times(const network_term *term, const palp_network *net, const double *u,
-                             double *out) {
+static void multiply_whole_tangent(const network_term *term, const palp_network *net, const double *u,
+                                   double *out) {
     (void)net;
-    add_times(term, contact_whole_times, u, out);
+    add_contact_product(term, contact_whole_times, u, out);
 }
 
-static bool term_energy(const network_term *term, const palp_network *net, double *energy) {
-    const contact_set *set = const_set_of(term);
+static bool add_contact_energy(const network_term *term, const palp_network *net, double *energy) {
+    const contact_set *set = const_contact_set_of_term(term);
     (void)net;
     for (size_t i = 0; i < set->n_contacts; i++) {
         const contact *c = &set->contact[i];
@@ -165,7 +167,7 @@ static bool term_energy(const network_term *term, const palp_network *net, doubl
 /* ---- a guess that goes along --------------------------------------------------------------------- */
 
 /* Least move of its corners by which a contact's point comes to where the tool took it, along the normal. */
-static void follow(contact_term *t, const contact *c, const double *x, double *moves) {
+static void move_corners_with_tool(contact_term *t, const contact *c, const double *x, double *moves) {
     const contact_set *set = &t->set;
     double point[3], squares = 0.0;
     contact_point(c, c->stick_share, x, point);
@@ -178,7 +180,7 @@ static void follow(contact_term *t, const contact *c, const double *x, double *m
     for (int j = 0; j < c->corners; j++) {
         const double stiffness = c->stick_share[j] * c->stiffness, *weight;
         const int32_t *node;
-        size_t n = corner_nodes(t, c, j, &node, &weight);
+        size_t n = nodes_of_contact_corner(t, c, j, &node, &weight);
         for (size_t i = 0; i < n; i++) {
             double *move = moves + 3 * node[i];
             along3(move, weight[i] * stiffness * c->stick_share[j] * size, c->normal, move);
@@ -189,7 +191,7 @@ static void follow(contact_term *t, const contact *c, const double *x, double *m
 
 /* Does the tool lose the tissue: of the contacts that touched none does? One of several that comes off as the
  * tool slides on is let go. */
-static bool lost(contact_set *set, int32_t tool, const double *x) {
+static bool has_tool_lost_tissue(contact_set *set, int32_t tool, const double *x) {
     bool touched = false, touches = false;
     for (size_t i = 0; i < set->n_contacts; i++) {
         contact *c = &set->contact[i];
@@ -203,17 +205,17 @@ static bool lost(contact_set *set, int32_t tool, const double *x) {
 }
 
 /* A tool that withdraws all of a sudden would otherwise lose the tissue for some ticks. */
-static void term_follow(network_term *term, palp_network *net) {
+static void move_nodes_with_tools(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     double *moves = net->outer; /* the next evaluation fills it anew */
     const double *x = t->layer ? layer_places(t->layer, net->next.x) : net->next.x;
     memset(moves, 0, 3 * net->n_nodes * sizeof *moves);
     memset(t->weight, 0, net->n_nodes * sizeof *t->weight);
     for (size_t tool = 0; tool < t->set.n_tools; tool++) {
-        bool any = lost(&t->set, (int32_t)tool, x);
+        bool any = has_tool_lost_tissue(&t->set, (int32_t)tool, x);
         for (size_t i = 0; i < t->set.n_contacts && any; i++)
             if (t->set.contact[i].touched && t->set.contact[i].tool == (int32_t)tool)
-                follow(t, &t->set.contact[i], x, moves);
+                move_corners_with_tool(t, &t->set.contact[i], x, moves);
     }
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0 && t->weight[i / 3] > 0.0)
@@ -222,7 +224,7 @@ static void term_follow(network_term *term, palp_network *net) {
 
 /* ---- a residual that is left --------------------------------------------------------------------- */
 
-static void term_weigh(const network_term *term, const palp_network *net, double *weight) {
+static void add_contact_weights(const network_term *term, const palp_network *net, double *weight) {
     const contact_term *t = (const contact_term *)term;
     (void)net;
     for (size_t i = 0; i < t->set.n_contacts; i++) {
@@ -230,15 +232,15 @@ static void term_weigh(const network_term *term, const palp_network *net, double
         for (int j = 0; j < c->corners && c->depth > 0.0; j++) {
             const int32_t *node;
             const double *share;
-            size_t n = corner_nodes(t, c, j, &node, &share);
+            size_t n = nodes_of_contact_corner(t, c, j, &node, &share);
             for (size_t k = 0; k < n; k++)
                 weight[node[k]] += share[k] * c->share[j] * c->stiffness;
         }
     }
 }
 
-static void term_share_residual(network_term *term, palp_network *net, const double *weight,
-                                const double *residual) {
+static void share_contact_residual(network_term *term, palp_network *net, const double *weight,
+                                   const double *residual) {
     contact_term *t = (contact_term *)term;
     contact_set *set = &t->set;
     for (size_t i = 0; i < set->n_contacts; i++) {
@@ -246,7 +248,7 @@ static void term_share_residual(network_term *term, palp_network *net, const dou
         for (int j = 0; j < c->corners && c->depth > 0.0; j++) {
             const int32_t *node;
             const double *share;
-            size_t n = corner_nodes(t, c, j, &node, &share);
+            size_t n = nodes_of_contact_corner(t, c, j, &node, &share);
             for (size_t k = 0; k < n; k++) {
                 size_t at = 3 * (size_t)node[k];
                 double all = weight[node[k]],
@@ -258,38 +260,38 @@ static void term_share_residual(network_term *term, palp_network *net, const dou
     }
 }
 
-static void term_doubt(network_term *term, palp_network *net, double error, double *sum) {
+static void add_force_uncertainty(network_term *term, palp_network *net, double error, double *sum) {
     (void)net;
-    *sum += contact_set_doubt(set_of(term), error);
+    *sum += contact_set_doubt(contact_set_of_term(term), error);
 }
 
-static const network_term_kind CONTACT = {.reset = term_reset,
-                                          .pass = term_pass,
-                                          .swap = term_swap,
-                                          .begin = term_begin,
-                                          .evaluate = term_evaluate,
-                                          .finish = term_finish,
-                                          .blocks = term_blocks,
-                                          .times = term_times,
-                                          .whole_times = term_whole_times,
-                                          .energy = term_energy,
-                                          .way = term_way,
-                                          .place = term_place,
-                                          .refresh = term_refresh,
-                                          .follow = term_follow,
-                                          .inside = term_inside,
-                                          .weigh = term_weigh,
-                                          .share_residual = term_share_residual,
-                                          .doubt = term_doubt};
+static const network_term_kind CONTACT = {.reset = reset_contact_term,
+                                          .pass = pass_contact_state,
+                                          .swap = swap_contact_states,
+                                          .begin = begin_contact_step,
+                                          .evaluate = evaluate_contact_forces,
+                                          .finish = finish_contact_step,
+                                          .blocks = take_contact_blocks,
+                                          .times = multiply_contact_tangent,
+                                          .whole_times = multiply_whole_tangent,
+                                          .energy = add_contact_energy,
+                                          .way = longest_tool_way,
+                                          .place = place_tools_on_their_way,
+                                          .refresh = refresh_contact_points,
+                                          .follow = move_nodes_with_tools,
+                                          .inside = is_any_tool_inside_body,
+                                          .weigh = add_contact_weights,
+                                          .share_residual = share_contact_residual,
+                                          .doubt = add_force_uncertainty};
 
 contact_set *contact_of(const palp_network *net) {
     network_term *term = network_find_term(net, &CONTACT);
-    return term ? set_of(term) : NULL;
+    return term ? contact_set_of_term(term) : NULL;
 }
 
 /* NULL: out of memory. */
-static network_term *term_new(const palp_network *net, size_t max_tools,
-                              const palp_contact_settings *settings) {
+static network_term *create_contact_term(const palp_network *net, size_t max_tools,
+                                         const palp_contact_settings *settings) {
     contact_term *t = network_term_new(&CONTACT, sizeof *t);
     if (!t)
         return NULL;
@@ -306,7 +308,7 @@ static network_term *term_new(const palp_network *net, size_t max_tools,
 }
 
 /* Room in the tangent for what a layer joins. */
-static palp_status join(palp_network *net, const network_term *term) {
+static palp_status reserve_tangent_pairs(palp_network *net, const network_term *term) {
     const contact_term *t = (const contact_term *)term;
     if (!t || t->term.memory.failed || !t->layer)
         return PALP_OK; /* network_add_terms tells what failed */
@@ -339,8 +341,8 @@ palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_
     if (weighs)
         terms[n++] = network_gravity_new(s->gravity_m_s2);
     terms[n++] = grasp_new(max_grasped, s->grasp_stiffness);
-    terms[n++] = term_new(net, max_tools, s);
-    palp_status status = join(net, terms[n - 1]);
+    terms[n++] = create_contact_term(net, max_tools, s);
+    palp_status status = reserve_tangent_pairs(net, terms[n - 1]);
     if (status) {
         for (size_t i = 0; i < n; i++)
             network_term_free(terms[i]);

@@ -17,19 +17,19 @@ typedef struct grasp {
     double *target;      /* [3 n] targets at the present evaluation */
 } grasp;
 
-static void grasp_reset(network_term *term, palp_network *net) {
+static void release_all_grasps(network_term *term, palp_network *net) {
     (void)net;
     ((grasp *)term)->n = 0;
 }
 
-static void grasp_pass(network_term *term, palp_network *net, network_cursor *cursor) {
+static void pass_grasp_state(network_term *term, palp_network *net, network_cursor *cursor) {
     grasp *t = (grasp *)term;
     (void)net;
     network_pass(cursor, &t->n, sizeof t->n);
     network_pass(cursor, t->now, t->max * sizeof *t->now);
 }
 
-static void grasp_swap(network_term *term, palp_network *net) {
+static void swap_grasp_states(network_term *term, palp_network *net) {
     grasp *t = (grasp *)term;
     grasped *old = t->now;
     (void)net;
@@ -40,23 +40,23 @@ static void grasp_swap(network_term *term, palp_network *net) {
 /* ---- a step -------------------------------------------------------------------------------------- */
 
 /* Stiffness of a node's spring, N/m. */
-static double spring_of(const grasp *t, const palp_network *net, int32_t node) {
+static double grasp_stiffness_of_node(const grasp *t, const palp_network *net, int32_t node) {
     return t->stiffness * net->modulus * net->unit[node];
 }
 
-static void grasp_place(network_term *term, palp_network *net, double share) {
+static void place_grasp_targets(network_term *term, palp_network *net, double share) {
     grasp *t = (grasp *)term;
     (void)net;
     for (size_t i = 0; i < 3 * t->n; i++)
         t->target[i] = share * t->now[i / 3].target[i % 3] + (1.0 - share) * t->now[i / 3].was[i % 3];
 }
 
-static void grasp_begin(network_term *term, palp_network *net) {
-    grasp_place(term, net, 1.0);
+static void begin_grasp_step(network_term *term, palp_network *net) {
+    place_grasp_targets(term, net, 1.0);
 }
 
 /* Springs to the targets are linear, so a hand can be followed over any distance at once. */
-static double grasp_way(const network_term *term, const palp_network *net) {
+static double longest_grasp_way(const network_term *term, const palp_network *net) {
     const grasp *t = (const grasp *)term;
     (void)net;
     for (size_t i = 0; i < t->n; i++)
@@ -65,18 +65,18 @@ static double grasp_way(const network_term *term, const palp_network *net) {
     return 0.0;
 }
 
-static void grasp_evaluate(network_term *term, palp_network *net) {
+static void evaluate_grasp_forces(network_term *term, palp_network *net) {
     const grasp *t = (const grasp *)term;
     for (size_t i = 0; i < t->n; i++) {
         const size_t node = (size_t)t->now[i].node;
-        const double *x = net->next.x + 3 * node, stiffness = spring_of(t, net, t->now[i].node);
+        const double *x = net->next.x + 3 * node, stiffness = grasp_stiffness_of_node(t, net, t->now[i].node);
         for (size_t k = 0; k < 3; k++)
             net->outer[3 * node + k] += stiffness * (t->target[3 * i + k] - x[k]);
         net->outer_squares += stiffness * stiffness * dot3(x, x);
     }
 }
 
-static void grasp_finish(network_term *term, palp_network *net) {
+static void finish_grasp_step(network_term *term, palp_network *net) {
     grasp *t = (grasp *)term;
     memcpy(t->next, t->now, t->n * sizeof *t->next);
     for (size_t i = 0; i < t->n; i++) {
@@ -84,77 +84,79 @@ static void grasp_finish(network_term *term, palp_network *net) {
         double away[3], none[3] = {0.0};
         memcpy(g->was, t->target + 3 * i, sizeof g->was);
         along3(net->next.x + 3 * g->node, -1.0, g->was, away);
-        along3(none, spring_of(t, net, g->node), away, g->force);
+        along3(none, grasp_stiffness_of_node(t, net, g->node), away, g->force);
     }
 }
 
 /* ---- tangent and energy -------------------------------------------------------------------------- */
 
-static void grasp_blocks(const network_term *term, const palp_network *net, network_block_taker take,
-                         void *user) {
+static void take_grasp_blocks(const network_term *term, const palp_network *net, network_block_taker take,
+                              void *user) {
     const grasp *t = (const grasp *)term;
     double k[9] = {0.0};
     for (size_t i = 0; i < t->n; i++) {
-        k[0] = k[4] = k[8] = spring_of(t, net, t->now[i].node);
+        k[0] = k[4] = k[8] = grasp_stiffness_of_node(t, net, t->now[i].node);
         take(user, t->now[i].node, t->now[i].node, k);
     }
 }
 
-static void grasp_times(const network_term *term, const palp_network *net, const double *u, double *out) {
+static void multiply_grasp_tangent(const network_term *term, const palp_network *net, const double *u,
+                                   double *out) {
     const grasp *t = (const grasp *)term;
     for (size_t i = 0; i < t->n; i++) {
         const size_t at = 3 * (size_t)t->now[i].node;
-        along3(out + at, spring_of(t, net, t->now[i].node), u + at, out + at);
+        along3(out + at, grasp_stiffness_of_node(t, net, t->now[i].node), u + at, out + at);
     }
 }
 
-static bool grasp_energy(const network_term *term, const palp_network *net, double *energy) {
+static bool add_grasp_energy(const network_term *term, const palp_network *net, double *energy) {
     const grasp *t = (const grasp *)term;
     for (size_t i = 0; i < t->n; i++) {
         double away[3];
         along3(net->next.x + 3 * t->now[i].node, -1.0, t->target + 3 * i, away);
-        *energy += 0.5 * spring_of(t, net, t->now[i].node) * dot3(away, away);
+        *energy += 0.5 * grasp_stiffness_of_node(t, net, t->now[i].node) * dot3(away, away);
     }
     return true;
 }
 
 /* ---- a residual that is left --------------------------------------------------------------------- */
 
-static void grasp_weigh(const network_term *term, const palp_network *net, double *weight) {
+static void add_grasp_weights(const network_term *term, const palp_network *net, double *weight) {
     const grasp *t = (const grasp *)term;
     for (size_t i = 0; i < t->n; i++)
-        weight[t->now[i].node] += spring_of(t, net, t->now[i].node);
+        weight[t->now[i].node] += grasp_stiffness_of_node(t, net, t->now[i].node);
 }
 
-static void grasp_share_residual(network_term *term, palp_network *net, const double *weight,
+static void share_grasp_residual(network_term *term, palp_network *net, const double *weight,
                                  const double *residual) {
     grasp *t = (grasp *)term;
     for (size_t i = 0; i < t->n; i++) {
         grasped *g = &t->next[i];
-        along3(g->force, spring_of(t, net, g->node) / weight[g->node], residual + 3 * g->node, g->force);
+        along3(g->force, grasp_stiffness_of_node(t, net, g->node) / weight[g->node], residual + 3 * g->node,
+               g->force);
     }
 }
 
-static void grasp_grasped(const network_term *term, unsigned char *fixed) {
+static void mark_grasped_nodes(const network_term *term, unsigned char *fixed) {
     const grasp *t = (const grasp *)term;
     for (size_t i = 0; i < t->n; i++)
         fixed[t->now[i].node] = 1;
 }
 
-static const network_term_kind GRASP = {.reset = grasp_reset,
-                                        .pass = grasp_pass,
-                                        .swap = grasp_swap,
-                                        .begin = grasp_begin,
-                                        .evaluate = grasp_evaluate,
-                                        .finish = grasp_finish,
-                                        .blocks = grasp_blocks,
-                                        .times = grasp_times,
-                                        .energy = grasp_energy,
-                                        .way = grasp_way,
-                                        .place = grasp_place,
-                                        .weigh = grasp_weigh,
-                                        .share_residual = grasp_share_residual,
-                                        .grasped = grasp_grasped};
+static const network_term_kind GRASP = {.reset = release_all_grasps,
+                                        .pass = pass_grasp_state,
+                                        .swap = swap_grasp_states,
+                                        .begin = begin_grasp_step,
+                                        .evaluate = evaluate_grasp_forces,
+                                        .finish = finish_grasp_step,
+                                        .blocks = take_grasp_blocks,
+                                        .times = multiply_grasp_tangent,
+                                        .energy = add_grasp_energy,
+                                        .way = longest_grasp_way,
+                                        .place = place_grasp_targets,
+                                        .weigh = add_grasp_weights,
+                                        .share_residual = share_grasp_residual,
+                                        .grasped = mark_grasped_nodes};
 
 network_term *grasp_new(size_t max_grasped, double stiffness) {
     grasp *t = network_term_new(&GRASP, sizeof *t);
@@ -170,19 +172,19 @@ network_term *grasp_new(size_t max_grasped, double stiffness) {
 
 /* ---- the public calls ---------------------------------------------------------------------------- */
 
-static grasp *find(const palp_network *net) {
+static grasp *find_grasp_term(const palp_network *net) {
     return (grasp *)network_find_term(net, &GRASP);
 }
 
-static grasped *find_node(const grasp *t, int32_t node) {
+static grasped *find_grasped_node(const grasp *t, int32_t node) {
     for (size_t i = 0; i < t->n; i++)
         if (t->now[i].node == node)
             return &t->now[i];
     return NULL;
 }
 
-static bool nodes_sound(const palp_network *net, size_t n, const int32_t *nodes) {
-    if (!net || !find(net) || (n > 0 && !nodes))
+static bool are_nodes_in_range(const palp_network *net, size_t n, const int32_t *nodes) {
+    if (!net || !find_grasp_term(net) || (n > 0 && !nodes))
         return false;
     for (size_t i = 0; i < n; i++)
         if (nodes[i] < 0 || (size_t)nodes[i] >= net->n_nodes)
@@ -190,24 +192,24 @@ static bool nodes_sound(const palp_network *net, size_t n, const int32_t *nodes)
     return true;
 }
 
-static void changed(palp_network *net) {
+static void announce_grasp_change(palp_network *net) {
     net->trial = false;
     NETWORK_EACH_TERM(net, grasp_changed, net);
 }
 
 palp_status palp_network_grasp(palp_network *net, size_t n, const int32_t *nodes, const double *target_m) {
-    if (!nodes_sound(net, n, nodes) || (n > 0 && !target_m))
+    if (!are_nodes_in_range(net, n, nodes) || (n > 0 && !target_m))
         return PALP_ERR_ARGUMENT;
-    grasp *t = find(net);
+    grasp *t = find_grasp_term(net);
     size_t room = t->max - t->n;
     for (size_t i = 0; i < n; i++) {
         if (!finite3(target_m + 3 * i))
             return PALP_ERR_ARGUMENT;
-        if (!find_node(t, nodes[i]) && room-- == 0)
+        if (!find_grasped_node(t, nodes[i]) && room-- == 0)
             return PALP_ERR_LIMIT;
     }
     for (size_t i = 0; i < n; i++) {
-        grasped *g = find_node(t, nodes[i]);
+        grasped *g = find_grasped_node(t, nodes[i]);
         if (!g) {
             g = &t->now[t->n++];
             *g = (grasped){.node = nodes[i]};
@@ -215,32 +217,32 @@ palp_status palp_network_grasp(palp_network *net, size_t n, const int32_t *nodes
         }
         memcpy(g->target, target_m + 3 * i, sizeof g->target);
     }
-    changed(net);
+    announce_grasp_change(net);
     return PALP_OK;
 }
 
 palp_status palp_network_release(palp_network *net, size_t n, const int32_t *nodes) {
-    if (!nodes_sound(net, n, nodes))
+    if (!are_nodes_in_range(net, n, nodes))
         return PALP_ERR_ARGUMENT;
-    grasp *t = find(net);
+    grasp *t = find_grasp_term(net);
     for (size_t i = 0; i < n; i++) {
-        grasped *g = find_node(t, nodes[i]);
+        grasped *g = find_grasped_node(t, nodes[i]);
         if (g) {
             t->n--;
             memmove(g, g + 1, (size_t)(t->now + t->n - g) * sizeof *g);
         }
     }
-    changed(net);
+    announce_grasp_change(net);
     return PALP_OK;
 }
 
 palp_status palp_network_grasp_force(const palp_network *net, size_t n, const int32_t *nodes,
                                      double force_N[3]) {
-    if (!nodes_sound(net, n, nodes) || !force_N)
+    if (!are_nodes_in_range(net, n, nodes) || !force_N)
         return PALP_ERR_ARGUMENT;
     force_N[0] = force_N[1] = force_N[2] = 0.0;
     for (size_t i = 0; i < n; i++) {
-        const grasped *g = find_node(find(net), nodes[i]);
+        const grasped *g = find_grasped_node(find_grasp_term(net), nodes[i]);
         if (g)
             along3(force_N, 1.0, g->force, force_N);
     }

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* Distributes the stiffness of each node to its triangles and on to the vertices of their parts. */
-static bool share_unit(skin *s, size_t n_surface, const int32_t *surface, const double *unit) {
+static bool share_corner_stiffness(skin *s, size_t n_surface, const int32_t *surface, const double *unit) {
     int32_t *count = calloc(s->n_nodes + 1, sizeof *count);
     if (!count)
         return false;
@@ -29,7 +29,7 @@ static bool share_unit(skin *s, size_t n_surface, const int32_t *surface, const 
 
 /* ---- pairs --------------------------------------------------------------------------------------- */
 
-static int by_size(const void *a, const void *b) {
+static int compare_pair_keys(const void *a, const void *b) {
     return (*(const uint64_t *)a > *(const uint64_t *)b) - (*(const uint64_t *)a < *(const uint64_t *)b);
 }
 
@@ -54,7 +54,7 @@ size_t skin_stencil(const skin *s, int n, const int32_t *vertex, int32_t *node, 
 }
 
 /* The pairs of all triangles as low * 2^32 + high; only counts if keys is NULL. */
-static size_t all_pairs(const skin *s, int32_t *node, double *share, uint64_t *keys) {
+static size_t collect_node_pairs(const skin *s, int32_t *node, double *share, uint64_t *keys) {
     size_t at = 0;
     for (size_t t = 0; t < s->n_triangles; t++) {
         size_t n = skin_stencil(s, 3, s->triangle + 3 * t, node, share);
@@ -66,16 +66,17 @@ static size_t all_pairs(const skin *s, int32_t *node, double *share, uint64_t *k
     return at;
 }
 
-static palp_status list_pairs(arena *memory, skin *s) {
+static palp_status list_distinct_pairs(arena *memory, skin *s) {
     for (size_t v = 0; v < s->n; v++)
         s->room = s->first[v + 1] - s->first[v] > s->room ? s->first[v + 1] - s->first[v] : s->room;
     s->room *= 3;
     int32_t *node = malloc(s->room * sizeof *node);
     double *share = malloc(3 * s->room * sizeof *share);
-    uint64_t *keys = node && share ? malloc((all_pairs(s, node, share, NULL) + 1) * sizeof *keys) : NULL;
+    uint64_t *keys =
+        node && share ? malloc((collect_node_pairs(s, node, share, NULL) + 1) * sizeof *keys) : NULL;
     if (keys) {
-        size_t all = all_pairs(s, node, share, keys);
-        qsort(keys, all, sizeof *keys, by_size);
+        size_t all = collect_node_pairs(s, node, share, keys);
+        qsort(keys, all, sizeof *keys, compare_pair_keys);
         for (size_t i = 0; i < all; i++)
             if (i == 0 || keys[i] != keys[i - 1])
                 keys[s->n_pairs++] = keys[i];
@@ -100,7 +101,7 @@ static palp_status list_pairs(arena *memory, skin *s) {
 /* ---- a skin -------------------------------------------------------------------------------------- */
 
 /* Lists the triangles around each vertex. */
-static void list_around(arena *memory, skin *s) {
+static void list_triangles_of_vertices(arena *memory, skin *s) {
     s->around_first = arena_take(memory, s->n + 2, sizeof *s->around_first);
     s->around = arena_take(memory, 3 * s->n_triangles, sizeof *s->around);
     if (memory->failed)
@@ -114,7 +115,7 @@ static void list_around(arena *memory, skin *s) {
 }
 
 /* The node with the largest weight in a vertex. */
-static int32_t home_of(const skin *s, size_t v) {
+static int32_t most_weighted_node(const skin *s, size_t v) {
     uint32_t most = s->first[v];
     for (uint32_t k = most; k < s->first[v + 1]; k++)
         most = s->weight[k] > s->weight[most] ? k : most;
@@ -122,14 +123,14 @@ static int32_t home_of(const skin *s, size_t v) {
 }
 
 /* Lists the vertices of each node, without vertices that are on no triangle. */
-static void list_homes(arena *memory, const double *rest, skin *s) {
+static void list_vertices_of_nodes(arena *memory, const double *rest, skin *s) {
     s->home_first = arena_take(memory, s->n_nodes + 2, sizeof *s->home_first);
     s->home = arena_take(memory, s->n, sizeof *s->home);
     for (int fill = 0; fill < 2 && !memory->failed; fill++) {
         for (size_t v = 0; v < s->n; v++) {
             if (s->around_first[v] == s->around_first[v + 1])
                 continue;
-            const int32_t node = home_of(s, v);
+            const int32_t node = most_weighted_node(s, v);
             const double *a = s->rest + 3 * v, *b = rest + 3 * node;
             s->reach = fmax(s->reach, sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
                                            (a[2] - b[2]) * (a[2] - b[2])));
@@ -143,7 +144,7 @@ static void list_homes(arena *memory, const double *rest, skin *s) {
     }
 }
 
-static bool keep(arena *memory, const subdivided *finer, skin *s) {
+static bool copy_subdivided_surface(arena *memory, const subdivided *finer, skin *s) {
     const weight_rows *v = &finer->vertex;
     s->n = v->n;
     s->n_triangles = finer->n_triangles;
@@ -169,15 +170,15 @@ palp_status skin_make(arena *memory, size_t n_nodes, const double *rest, size_t 
     if (!made)
         return PALP_ERR_NO_MEMORY;
     s->n_nodes = n_nodes;
-    made = keep(memory, &finer, s) && share_unit(s, n_surface, surface, unit);
+    made = copy_subdivided_surface(memory, &finer, s) && share_corner_stiffness(s, n_surface, surface, unit);
     subdivide_free(&finer);
     if (made) {
         skin_take(s, rest, s->rest);
-        list_around(memory, s);
-        list_homes(memory, rest, s);
+        list_triangles_of_vertices(memory, s);
+        list_vertices_of_nodes(memory, rest, s);
         made = !memory->failed;
     }
-    return made ? list_pairs(memory, s) : PALP_ERR_NO_MEMORY;
+    return made ? list_distinct_pairs(memory, s) : PALP_ERR_NO_MEMORY;
 }
 
 void skin_take_vertex(const skin *s, int32_t vertex, const double *in, double out[3]) {

@@ -12,7 +12,7 @@ static const double SMALL_STRAIN = 0.1; /* strain at which stiffness is taken, a
 /* ---- what is loose ------------------------------------------------------------------------------- */
 
 /* A part is loose unless one of its nodes has a supported axis or is grasped. */
-static void find_loose(network_term *term, palp_network *net) {
+static void find_loose_parts(network_term *term, palp_network *net) {
     network_cut *cut = (network_cut *)term;
     mesh_parts(net->n_nodes, net->n_elements, net->pair, cut->alive, cut->root);
     for (size_t i = 0; i < net->n_nodes; i++)
@@ -36,7 +36,7 @@ double cut_spring(const network_cut *cut, size_t i) {
 }
 
 /* Marks an element as cut, unless it is cut already. */
-static void mark(network_cut *cut, size_t element) {
+static void mark_element_as_cut(network_cut *cut, size_t element) {
     if (!cut->alive[element])
         return;
     cut->alive[element] = 0;
@@ -45,7 +45,7 @@ static void mark(network_cut *cut, size_t element) {
 
 /* Updates all that depends on elements marked since the last call. The next step starts from the present
  * state. */
-static size_t update(palp_network *net, network_cut *cut) {
+static size_t apply_marked_cuts(palp_network *net, network_cut *cut) {
     size_t news = cut->n_cut - cut->n_known;
     for (size_t k = cut->n_known; k < cut->n_cut; k++) {
         size_t i = (size_t)cut->cut[k];
@@ -53,7 +53,7 @@ static size_t update(palp_network *net, network_cut *cut) {
         if (net->now.vector)
             memset(net->now.vector + 3 * i, 0, 3 * sizeof *net->now.vector);
     }
-    find_loose(&cut->term, net);
+    find_loose_parts(&cut->term, net);
     cut_surface_update(&cut->surface, news, cut->cut + cut->n_known);
     cut->n_known = cut->n_cut;
     net->dead = cut->cut;
@@ -66,7 +66,7 @@ static size_t update(palp_network *net, network_cut *cut) {
     return news;
 }
 
-static void make_whole(palp_network *net, network_cut *cut) {
+static void restore_all_elements(palp_network *net, network_cut *cut) {
     cut->n_cut = cut->n_known = 0;
     memset(cut->alive, 1, net->n_elements);
     memcpy(net->scale, cut->whole, net->n_elements * sizeof *net->scale);
@@ -76,20 +76,20 @@ static void make_whole(palp_network *net, network_cut *cut) {
 /* ---- the term ------------------------------------------------------------------------------------ */
 
 /* Only alive is saved: all else of a network_cut follows from it. */
-static void cut_pass(network_term *term, palp_network *net, network_cursor *cursor) {
+static void pass_cut_state(network_term *term, palp_network *net, network_cursor *cursor) {
     network_cut *cut = (network_cut *)term;
     if (cursor->way == NETWORK_RESTORE && memcmp(cut->alive, cursor->at, net->n_elements) != 0) {
-        make_whole(net, cut);
+        restore_all_elements(net, cut);
         for (size_t i = 0; i < net->n_elements; i++)
             if (!cursor->at[i])
-                mark(cut, i);
-        update(net, cut);
+                mark_element_as_cut(cut, i);
+        apply_marked_cuts(net, cut);
     }
     network_pass(cursor, cut->alive, net->n_elements);
 }
 
 /* Makes all elements whole again, for the present material. */
-static void cut_reset(network_term *term, palp_network *net) {
+static void reset_cut_stiffness(network_term *term, palp_network *net) {
     network_cut *cut = (network_cut *)term;
     double stiffness;
     palp_law_stiffness(&net->material.law, SMALL_STRAIN, &stiffness, NULL);
@@ -98,11 +98,12 @@ static void cut_reset(network_term *term, palp_network *net) {
     memset(cut->stiffness, 0, net->n_nodes * sizeof *cut->stiffness);
     for (size_t i = 0; i < 2 * net->n_elements; i++)
         cut->stiffness[net->pair[i]] += stiffness * cut->whole[i / 2] * net->inverse_rest[i / 2];
-    make_whole(net, cut);
-    update(net, cut);
+    restore_all_elements(net, cut);
+    apply_marked_cuts(net, cut);
 }
 
-static void cut_residual(const network_term *term, const palp_network *net, double *r, double *squares) {
+static void add_loose_part_residual(const network_term *term, const palp_network *net, double *r,
+                                    double *squares) {
     const network_cut *cut = (const network_cut *)term;
     for (size_t i = 0; i < 3 * net->n_nodes && cut->n_loose > 0; i++) {
         if (net->dof[i] < 0)
@@ -113,12 +114,12 @@ static void cut_residual(const network_term *term, const palp_network *net, doub
     }
 }
 
-static void cut_diagonal(const network_term *term, const palp_network *net, double *d) {
+static void add_loose_part_diagonal(const network_term *term, const palp_network *net, double *d) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         d[i] += ((const network_cut *)term)->diagonal[i / 3];
 }
 
-static bool cut_energy(const network_term *term, const palp_network *net, double *energy) {
+static bool add_loose_part_energy(const network_term *term, const palp_network *net, double *energy) {
     const network_cut *cut = (const network_cut *)term;
     for (size_t i = 0; i < 3 * net->n_nodes && cut->n_loose > 0; i++) {
         double moved = net->next.x[i] - net->now.x[i];
@@ -127,12 +128,12 @@ static bool cut_energy(const network_term *term, const palp_network *net, double
     return true;
 }
 
-static const network_term_kind CUT = {.reset = cut_reset,
-                                      .pass = cut_pass,
-                                      .residual = cut_residual,
-                                      .diagonal = cut_diagonal,
-                                      .energy = cut_energy,
-                                      .grasp_changed = find_loose};
+static const network_term_kind CUT = {.reset = reset_cut_stiffness,
+                                      .pass = pass_cut_state,
+                                      .residual = add_loose_part_residual,
+                                      .diagonal = add_loose_part_diagonal,
+                                      .energy = add_loose_part_energy,
+                                      .grasp_changed = find_loose_parts};
 
 network_cut *cut_of(const palp_network *net) {
     return (network_cut *)network_find_term(net, &CUT);
@@ -140,7 +141,7 @@ network_cut *cut_of(const palp_network *net) {
 
 /* ---- the public calls ---------------------------------------------------------------------------- */
 
-static palp_status allocate(const palp_network *net, network_cut *cut) {
+static palp_status allocate_cut_arrays(const palp_network *net, network_cut *cut) {
     size_t n = net->n_nodes, m = net->n_elements;
     arena *memory = &cut->term.memory;
     cut->alive = arena_take(memory, m, sizeof *cut->alive);
@@ -155,9 +156,9 @@ static palp_status allocate(const palp_network *net, network_cut *cut) {
     return cut_surface_create(net, memory, &cut->surface);
 }
 
-static network_cut *cut_new(const palp_network *net) {
+static network_cut *create_cut_term(const palp_network *net) {
     network_cut *cut = network_term_new(&CUT, sizeof *cut);
-    if (!cut || allocate(net, cut)) {
+    if (!cut || allocate_cut_arrays(net, cut)) {
         network_term_free((network_term *)cut);
         return NULL;
     }
@@ -171,7 +172,7 @@ palp_status palp_network_enable_cutting(palp_network *net) {
         return PALP_ERR_ARGUMENT;
     if (net->surface_stays || network_has_volume(net))
         return PALP_ERR_UNSUPPORTED;
-    network_cut *cut = cut_new(net);
+    network_cut *cut = create_cut_term(net);
     if (!cut)
         return PALP_ERR_NO_MEMORY;
     if (!net->scale) {
@@ -185,14 +186,14 @@ palp_status palp_network_enable_cutting(palp_network *net) {
     return network_add_terms(net, 1, (network_term *[]){&cut->term});
 }
 
-static palp_status finish(palp_network *net, network_cut *cut, size_t *n) {
-    size_t news = cut->n_cut > cut->n_known ? update(net, cut) : 0;
+static palp_status apply_and_count_cuts(palp_network *net, network_cut *cut, size_t *n) {
+    size_t news = cut->n_cut > cut->n_known ? apply_marked_cuts(net, cut) : 0;
     if (n)
         *n = news;
     return PALP_OK;
 }
 
-static bool finite9(const double *v) {
+static bool are_nine_values_finite(const double *v) {
     double sum = 0.0;
     for (size_t i = 0; i < 9; i++)
         sum += fabs(v[i]);
@@ -201,16 +202,16 @@ static bool finite9(const double *v) {
 
 palp_status palp_network_cut(palp_network *net, const double corners_m[9], size_t *n_cut) {
     network_cut *cut = net ? cut_of(net) : NULL;
-    if (!cut || !corners_m || !finite9(corners_m))
+    if (!cut || !corners_m || !are_nine_values_finite(corners_m))
         return PALP_ERR_ARGUMENT;
     const double *x = net->now.x;
     cut_sides(net->n_nodes, x, corners_m, cut->side);
     for (size_t i = 0; i < net->n_elements; i++) {
         int32_t a = net->pair[2 * i], b = net->pair[2 * i + 1];
         if (cut->side[a] * cut->side[b] < 0 && cut_crosses(x + 3 * a, x + 3 * b, corners_m))
-            mark(cut, i);
+            mark_element_as_cut(cut, i);
     }
-    return finish(net, cut, n_cut);
+    return apply_and_count_cuts(net, cut, n_cut);
 }
 
 palp_status palp_network_cut_elements(palp_network *net, size_t n, const int32_t *elements) {
@@ -221,8 +222,8 @@ palp_status palp_network_cut_elements(palp_network *net, size_t n, const int32_t
         if (elements[i] < 0 || (size_t)elements[i] >= net->n_elements)
             return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++)
-        mark(cut, (size_t)elements[i]);
-    return finish(net, cut, NULL);
+        mark_element_as_cut(cut, (size_t)elements[i]);
+    return apply_and_count_cuts(net, cut, NULL);
 }
 
 palp_status palp_network_set_tearing(palp_network *net, double strain, double force_N) {
@@ -242,8 +243,8 @@ palp_status palp_network_tear(palp_network *net, size_t *n_torn) {
     double force = cut->tear_force > 0.0 ? cut->tear_force : INFINITY;
     for (size_t i = 0; i < net->n_elements; i++)
         if (net->now.history.strain[i] > strain || net->now.element[i] > force)
-            mark(cut, i);
-    return finish(net, cut, n_torn);
+            mark_element_as_cut(cut, i);
+    return apply_and_count_cuts(net, cut, n_torn);
 }
 
 const unsigned char *palp_network_alive(const palp_network *net) {

@@ -6,7 +6,7 @@
 
 /* Visits the elements along the edges of tetrahedra: counts the tetrahedra around each or, with fill, lists
  * them. */
-static void visit_edges(const palp_network *net, cut_surface *s, bool fill) {
+static void visit_tetrahedra_of_edges(const palp_network *net, cut_surface *s, bool fill) {
     for (size_t i = 0; i < 6 * s->n_tetrahedra; i++) {
         static const unsigned char ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
         const int32_t *t = s->tetrahedra + i / 6 * 4;
@@ -28,11 +28,11 @@ palp_status cut_surface_create(const palp_network *net, arena *memory, cut_surfa
     s->triangles = arena_take(memory, 12 * n, sizeof *s->triangles);
     if (memory->failed)
         return PALP_ERR_NO_MEMORY;
-    visit_edges(net, s, false);
+    visit_tetrahedra_of_edges(net, s, false);
     for (size_t i = 0; i < net->n_elements;
          i++) /* first becomes the end of each list; filling moves it back to the start */
         s->first[i + 1] += s->first[i];
-    visit_edges(net, s, true);
+    visit_tetrahedra_of_edges(net, s, true);
     return mesh_neighbours(net->mesh, s->neighbour);
 }
 

@@ -20,7 +20,7 @@ typedef struct columns {
     double peak, low, high, white; /* largest force, range of depth, sd of the noise */
 } columns;
 
-static columns columns_of(const palp_experiment *e) {
+static columns take_needed_columns(const palp_experiment *e) {
     return (columns){.n = palp_experiment_rows(e),
                      .time = palp_experiment_column(e, "time_s"),
                      .low = HUGE_VAL,
@@ -30,7 +30,7 @@ static columns columns_of(const palp_experiment *e) {
 }
 
 /* False if the columns cannot be used, which is reported later. */
-static bool measure(columns *c) {
+static bool measure_column_ranges(columns *c) {
     for (size_t i = 0; i < c->n; i++) {
         if (!segments_sample_valid(c->time, c->depth, c->force, i))
             return false;
@@ -43,13 +43,13 @@ static bool measure(columns *c) {
 }
 
 /* Does b begin where and when a ends, with the same force? */
-static bool goes_on(columns *a, columns *b) {
+static bool continues_time_and_force(columns *a, columns *b) {
     const size_t last = a->n - 1;
     if (fmin((double)a->n, (double)b->n) < SAMPLES_MIN || !a->time || !a->depth || !a->force || !b->time ||
         !b->depth || !b->force)
         return false;
     double step = (a->time[last] - a->time[0]) / (double)last, gap = b->time[0] - a->time[last];
-    if (!(gap > 0.0 && gap < SOON * step && measure(a) && measure(b)))
+    if (!(gap > 0.0 && gap < SOON * step && measure_column_ranges(a) && measure_column_ranges(b)))
         return false;
     double force = a->force[last], next = b->force[0], noise = fmax(a->white, b->white),
            peak = fmax(a->peak, b->peak);
@@ -62,20 +62,20 @@ static bool goes_on(columns *a, columns *b) {
            fabs(next - force) < moves + ODDS * noise;
 }
 
-static const char *specimen_of(const palp_experiment *e) {
+static const char *specimen_name_of(const palp_experiment *e) {
     const char *name;
     return palp_experiment_get_string(e, "specimen.name", &name) ? "" : name;
 }
 
-static bool continues(const palp_experiment *first, const palp_experiment *second) {
-    if (first == second || strcmp(specimen_of(first), specimen_of(second)) != 0)
+static bool continues_same_specimen(const palp_experiment *first, const palp_experiment *second) {
+    if (first == second || strcmp(specimen_name_of(first), specimen_name_of(second)) != 0)
         return false;
-    columns a = columns_of(first), b = columns_of(second);
-    return goes_on(&a, &b);
+    columns a = take_needed_columns(first), b = take_needed_columns(second);
+    return continues_time_and_force(&a, &b);
 }
 
 /* Copies the keys of the first part, and how the second one ended. */
-static palp_status copy_keys(const palp_experiment *a, const palp_experiment *b, palp_experiment *to) {
+static palp_status copy_header_keys(const palp_experiment *a, const palp_experiment *b, palp_experiment *to) {
     const palp_experiment *const from[] = {a, b};
     const char *key;
     json_t *value;
@@ -87,8 +87,9 @@ static palp_status copy_keys(const palp_experiment *a, const palp_experiment *b,
     return PALP_OK;
 }
 
-static palp_status fill(const palp_experiment *a, const palp_experiment *b, palp_experiment *to) {
-    palp_status status = copy_keys(a, b, to);
+static palp_status fill_joined_experiment(const palp_experiment *a, const palp_experiment *b,
+                                          palp_experiment *to) {
+    palp_status status = copy_header_keys(a, b, to);
     for (size_t c = 0; c < a->n_columns && !status; c++) {
         const char *name = a->columns[c].name;
         const double *second = palp_experiment_column(b, name);
@@ -105,11 +106,11 @@ static palp_status fill(const palp_experiment *a, const palp_experiment *b, palp
     return status;
 }
 
-static palp_status join_two(const palp_experiment *first, const palp_experiment *second,
-                            palp_experiment **both) {
+static palp_status join_two_experiments(const palp_experiment *first, const palp_experiment *second,
+                                        palp_experiment **both) {
     palp_status status = palp_experiment_create(first->rows + second->rows, both);
     if (!status)
-        status = fill(first, second, *both);
+        status = fill_joined_experiment(first, second, *both);
     if (status) {
         palp_experiment_free(*both);
         *both = NULL;
@@ -125,9 +126,9 @@ static palp_status join_to_one_before(size_t n, const palp_experiment *const *ru
     for (size_t i = 0; i < n && of[j] == j; i++) {
         const palp_experiment *first = whole[i] ? whole[i] : run[i];
         palp_experiment *both;
-        if (of[i] != i || !continues(first, second))
+        if (of[i] != i || !continues_same_specimen(first, second))
             continue;
-        palp_status status = join_two(first, second, &both);
+        palp_status status = join_two_experiments(first, second, &both);
         if (status)
             return status;
         palp_experiment_free(whole[i]);

@@ -10,7 +10,7 @@
 
 /* The value as JSON with the fewest digits that read back the same, allocated by Jansson; NULL: out of
  * memory. */
-static char *value_text(const json_t *value) {
+static char *format_header_value(const json_t *value) {
     char *text = NULL;
     for (size_t precision = 15; precision <= 17; precision++) {
         free(text);
@@ -25,17 +25,17 @@ static char *value_text(const json_t *value) {
 }
 
 /* Keys that say how the run ended are written after the numbers. */
-static bool is_ending(const char *key) {
+static bool is_end_of_run_key(const char *key) {
     return strncmp(key, "end.", 4) == 0;
 }
 
-static palp_status header_write(const palp_experiment *e, bool ending, FILE *stream) {
+static palp_status write_header_lines(const palp_experiment *e, bool ending, FILE *stream) {
     const char *key;
     json_t *value;
     json_object_foreach(e->header, key, value) {
-        if (is_ending(key) != ending)
+        if (is_end_of_run_key(key) != ending)
             continue;
-        char *text = value_text(value);
+        char *text = format_header_value(value);
         if (!text)
             return PALP_ERR_NO_MEMORY;
         fprintf(stream, "# %s: %s\n", key, text);
@@ -44,13 +44,13 @@ static palp_status header_write(const palp_experiment *e, bool ending, FILE *str
     return PALP_OK;
 }
 
-static void names_write(const palp_experiment *e, FILE *stream) {
+static void write_column_names(const palp_experiment *e, FILE *stream) {
     for (size_t j = 0; j < e->n_columns; j++)
         fprintf(stream, "%s%s", j ? "," : "", e->columns[j].name);
     fputc('\n', stream);
 }
 
-static void rows_write(const palp_experiment *e, FILE *stream) {
+static void write_numeric_rows(const palp_experiment *e, FILE *stream) {
     char text[PALP_NUMBER_TEXT + 1];
     for (size_t i = 0; i < e->rows; i++)
         for (size_t j = 0; j < e->n_columns; j++) {
@@ -61,7 +61,7 @@ static void rows_write(const palp_experiment *e, FILE *stream) {
 }
 
 /* Refuses values that could not be read again. */
-static palp_status rows_check(const palp_experiment *e, const char *path, palp_error *error) {
+static palp_status check_rows_before_write(const palp_experiment *e, const char *path, palp_error *error) {
     const double *time_s = palp_experiment_column(e, "time_s");
     for (size_t j = 0; j < e->n_columns; j++)
         for (size_t i = 0; i < e->rows; i++)
@@ -76,15 +76,15 @@ static palp_status rows_check(const palp_experiment *e, const char *path, palp_e
     return PALP_OK;
 }
 
-static palp_status text_write(const palp_experiment *e, FILE *stream) {
+static palp_status write_experiment_text(const palp_experiment *e, FILE *stream) {
     palp_locale locale;
     if (!palp_locale_enter(&locale))
         return PALP_ERR_NO_MEMORY;
-    palp_status status = header_write(e, false, stream);
+    palp_status status = write_header_lines(e, false, stream);
     if (!status) {
-        names_write(e, stream);
-        rows_write(e, stream);
-        status = header_write(e, true, stream);
+        write_column_names(e, stream);
+        write_numeric_rows(e, stream);
+        status = write_header_lines(e, true, stream);
     }
     palp_locale_leave(&locale);
     return status;
@@ -94,12 +94,12 @@ palp_status palp_experiment_write(const palp_experiment *experiment, const char 
     if (!experiment || !path)
         return palp_error_null(error);
     palp_file file;
-    palp_status status = rows_check(experiment, path, error);
+    palp_status status = check_rows_before_write(experiment, path, error);
     if (!status)
         status = palp_file_begin(&file, path, error);
     if (status)
         return status;
-    status = text_write(experiment, file.stream);
+    status = write_experiment_text(experiment, file.stream);
     if (!status)
         return palp_file_commit(&file, true, error);
     palp_file_abandon(&file);

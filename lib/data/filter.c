@@ -8,7 +8,7 @@
 static const double PI = 3.14159265358979323846;
 
 /* One section, bilinear transform with prewarping, in place; starts in the steady state of x[0]. */
-static void section(size_t n, double *x, double q, double tangent) {
+static void run_second_order_section(size_t n, double *x, double q, double tangent) {
     double a0 = 1.0 + tangent / q + tangent * tangent, b = tangent * tangent / a0;
     double a1 = 2.0 * (tangent * tangent - 1.0) / a0, a2 = (1.0 - tangent / q + tangent * tangent) / a0;
     double x1 = x[0], x2 = x[0], y1 = x[0], y2 = x[0];
@@ -21,12 +21,12 @@ static void section(size_t n, double *x, double q, double tangent) {
     }
 }
 
-static void cascade(size_t n, double *x, int order, double tangent) {
+static void run_filter_sections(size_t n, double *x, int order, double tangent) {
     for (int k = 0; k < order / 2; k++)
-        section(n, x, 0.5 / sin(PI * (2 * k + 1) / (2.0 * order)), tangent);
+        run_second_order_section(n, x, 0.5 / sin(PI * (2 * k + 1) / (2.0 * order)), tangent);
 }
 
-static void reverse(size_t n, double *x) {
+static void reverse_sample_order(size_t n, double *x) {
     for (size_t i = 0; i < n / 2; i++) {
         double t = x[i];
         x[i] = x[n - 1 - i];
@@ -53,8 +53,8 @@ palp_status palp_filter_zero_phase(size_t n, const double *in, double dt_s, int 
     }
     double tangent = tan(PI * cutoff_Hz * dt_s);
     for (int way = 0; way < 2; way++) {
-        cascade(total, x, order, tangent);
-        reverse(total, x);
+        run_filter_sections(total, x, order, tangent);
+        reverse_sample_order(total, x);
     }
     memcpy(out, x + pad, n * sizeof *out);
     free(x);

@@ -42,7 +42,7 @@ void palp_recording_scale(palp_recording *r, double length, double force) {
     r->radius_m *= sqrt(force);
 }
 
-static palp_status copy_columns(palp_recording *r, const palp_experiment *e, palp_error *error) {
+static palp_status copy_recorded_columns(palp_recording *r, const palp_experiment *e, palp_error *error) {
     const double *t = palp_experiment_column(e, "time_s"), *d = palp_experiment_column(e, "depth_mm"),
                  *f = palp_experiment_column(e, "force_N");
     r->time_s = malloc((r->n + 1) * sizeof(double));
@@ -65,8 +65,8 @@ static palp_status copy_columns(palp_recording *r, const palp_experiment *e, pal
     return segments_smooth_path(r->n, r->time_s, r->depth_m, &noise);
 }
 
-static void read_header(palp_recording *r, const palp_experiment *e,
-                        const palp_recording_settings *settings) {
+static void read_specimen_header(palp_recording *r, const palp_experiment *e,
+                                 const palp_recording_settings *settings) {
     const char *text;
     double value;
     r->n = palp_experiment_rows(e);
@@ -88,16 +88,16 @@ static void read_header(palp_recording *r, const palp_experiment *e,
 
 /* A length of gap, in steps, that chance exceeds less often than once in n recordings, if samples are lost
  * independently. */
-static double chance_steps(size_t n, size_t missing) {
+static double longest_gap_by_chance(size_t n, size_t missing) {
     double part = (double)missing / (double)(n + missing);
     return missing ? 2.0 * log((double)n) / -log(part) : 0.0;
 }
 
 /* Assesses the times: clock step, gaps and unevenness. */
-static palp_status look_at_times(palp_recording *r, double *step) {
+static palp_status examine_sample_times(palp_recording *r, double *step) {
     size_t steps = r->n - 1, odd = 0;
     palp_status status = palp_segments_clock(r->n, r->time_s, step, &r->n_missing);
-    double gap_s = *step * (3.0 + chance_steps(r->n, r->n_missing));
+    double gap_s = *step * (3.0 + longest_gap_by_chance(r->n, r->n_missing));
     for (size_t i = 0; !status && i < steps; i++) {
         double dt = r->time_s[i + 1] - r->time_s[i];
         r->n_gaps += dt > gap_s;
@@ -111,7 +111,7 @@ static palp_status look_at_times(palp_recording *r, double *step) {
 }
 
 /* The used sample whose force differs most from that of the first used one. */
-static size_t strongest_sample(const palp_recording *r, double first) {
+static size_t find_strongest_sample(const palp_recording *r, double first) {
     size_t at = 0;
     double most = -1.0;
     for (size_t i = 0; i < r->n; i++)
@@ -140,9 +140,9 @@ static double covariance_on_way(const palp_recording *r, size_t end) {
 
 /* Does the force grow with depth, by more than noise, up to its largest value? Relaxation and unloading come
  * later. */
-static palp_status check_signs(const palp_recording *r, palp_error *error) {
+static palp_status check_force_direction(const palp_recording *r, palp_error *error) {
     double low = r->depth_m[0], high = low, before = r->force_N[r->use[0] ? 0 : 1];
-    size_t at = strongest_sample(r, before);
+    size_t at = find_strongest_sample(r, before);
     double strongest = r->force_N[at] - before, pressed = 0.0;
     for (size_t i = 0; i < r->n; i++) {
         low = fmin(low, r->depth_m[i]);
@@ -171,7 +171,7 @@ static palp_status check_signs(const palp_recording *r, palp_error *error) {
 }
 
 /* Depth and force relative to contact and zero. */
-static void shift(palp_recording *r) {
+static void shift_to_contact_origin(palp_recording *r) {
     r->deepest_m = -HUGE_VAL;
     for (size_t i = 0; i < r->n; i++) {
         r->depth_m[i] -= r->contact_m;
@@ -197,7 +197,7 @@ palp_recording_kind palp_recording_kind_of(const palp_pieces *pieces) {
 }
 
 /* The sample after which the plate is only withdrawn, or r->n. */
-static size_t find_withdrawal(const palp_recording *r, const palp_pieces *pieces, size_t ramp_end) {
+static size_t find_plate_withdrawal(const palp_recording *r, const palp_pieces *pieces, size_t ramp_end) {
     size_t k = pieces->n;
     if (r->kind != PALP_RECORDING_OTHER)
         return segments_press_end(r->n, r->depth_m, r->deepest_m, ramp_end);
@@ -206,25 +206,25 @@ static size_t find_withdrawal(const palp_recording *r, const palp_pieces *pieces
     return k > 0 && pieces->piece[k - 1].motion == PALP_MOTION_UNLOAD ? pieces->piece[k - 1].first : r->n;
 }
 
-static double speed(const palp_recording *r, size_t from, size_t to) {
+static double mean_speed_between(const palp_recording *r, size_t from, size_t to) {
     return (r->depth_m[to] - r->depth_m[from]) / (r->time_s[to] - r->time_s[from]);
 }
 
 /* Is the force constant while depth goes on? A depth that comes to rest may also be ramp and hold of a
  * press; then the plate was much faster before the force became constant. At the end of a sensor's range
  * it was not. */
-static bool is_creep(const palp_recording *r, size_t start, size_t end) {
+static bool is_creep_recording(const palp_recording *r, size_t start, size_t end) {
     static const double slower = 0.5;
     if (r->kind != PALP_RECORDING_RAMP_HOLD || r->creep.n == 0)
         return r->creep.n > 0;
     const size_t held = r->creep.piece[0].first,
                  from = start < held ? start : held - 1; /* a ramp precedes it */
-    return held < end && speed(r, held, end) < slower * speed(r, from, held);
+    return held < end && mean_speed_between(r, held, end) < slower * mean_speed_between(r, from, held);
 }
 
 /* Finds the protocol, and where the motion starts and ends. The withdrawal after a press is left out: it
  * shows how the plate leaves, which no law of pressing describes. */
-static palp_status find_motion(palp_recording *r) {
+static palp_status find_motion_phases(palp_recording *r) {
     palp_pieces pieces;
     size_t start, end;
     palp_status status = palp_segments_pieces(r->n, r->time_s, r->depth_m, &pieces);
@@ -232,7 +232,7 @@ static palp_status find_motion(palp_recording *r) {
         return status;
     r->kind = palp_recording_kind_of(&pieces);
     segments_ramp(r->n, r->depth_m, r->deepest_m, &start, &end);
-    size_t last = find_withdrawal(r, &pieces, end);
+    size_t last = find_plate_withdrawal(r, &pieces, end);
     r->ramp_start_s = r->time_s[start];
     r->ramp_end_s = r->time_s[end];
     r->end_s = r->time_s[last < r->n ? last : r->n - 1];
@@ -240,7 +240,7 @@ static palp_status find_motion(palp_recording *r) {
         r->use[i] = 0;
     palp_pieces_free(&pieces);
     status = palp_segments_creep(r->n, r->time_s, r->depth_m, r->force_N, &r->creep);
-    if (!status && is_creep(r, start, end)) {
+    if (!status && is_creep_recording(r, start, end)) {
         r->kind = PALP_RECORDING_CREEP;
         r->ramp_end_s = r->time_s[r->creep.piece[0].first];
     }
@@ -249,29 +249,30 @@ static palp_status find_motion(palp_recording *r) {
 
 /* Checks that a specimen is pressed in this recording. Makes depth and force relative to contact and zero,
  * and gives the clock's step. */
-static palp_status check(palp_recording *r, const palp_experiment *experiment,
-                         const palp_recording_settings *settings, double *step, palp_error *error) {
+static palp_status check_and_examine_samples(palp_recording *r, const palp_experiment *experiment,
+                                             const palp_recording_settings *settings, double *step,
+                                             palp_error *error) {
     enum { FEWEST = 16 };
-    read_header(r, experiment, settings);
+    read_specimen_header(r, experiment, settings);
     if (r->n < FEWEST)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: %zu samples are too few", r->name, r->n);
     if (!(r->height_m > 0.0))
         return palp_error_set(error, PALP_ERR_INPUT, "%s: no specimen.height_mm: give --specimen-height-mm",
                               r->name);
-    palp_status status = copy_columns(r, experiment, error);
+    palp_status status = copy_recorded_columns(r, experiment, error);
     if (!status)
-        status = look_at_times(r, step);
+        status = examine_sample_times(r, step);
     if (!status)
         status = palp_segments_noise(r->n, r->time_s, *step, r->force_N, PALP_NOISE_MEDIAN, &r->noise_N);
     if (status)
         return status;
     r->n_spikes = segments_mask_spikes(r->n, r->force_N, r->noise_N, settings->spike_sigma, r->use);
     recording_mask_clipped(r, settings->clip_share);
-    status = check_signs(r, error);
+    status = check_force_direction(r, error);
     if (status)
         return status;
     recording_find_contact(r, settings);
-    shift(r);
+    shift_to_contact_origin(r);
     if (!(r->deepest_m > 0.0) || r->deepest_m >= r->height_m)
         return palp_error_set(error, PALP_ERR_INPUT,
                               "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
@@ -280,18 +281,18 @@ static palp_status check(palp_recording *r, const palp_experiment *experiment,
 }
 
 /* whole: also finds what a fit needs. */
-static palp_status make(const palp_experiment *experiment, const char *name,
-                        const palp_recording_settings *settings, bool whole, palp_recording *r,
-                        palp_error *error) {
+static palp_status build_from_experiment(const palp_experiment *experiment, const char *name,
+                                         const palp_recording_settings *settings, bool whole,
+                                         palp_recording *r, palp_error *error) {
     double step = 0.0;
     memset(r, 0, sizeof *r);
     strncpy(r->name, name, PALP_NAME_MAX - 1);
     palp_text_make_plain(r->name);
-    palp_status status = check(r, experiment, settings, &step, error);
+    palp_status status = check_and_examine_samples(r, experiment, settings, &step, error);
     if (!status && whole)
         status = recording_look_at_noise(r, step);
     if (!status && whole)
-        status = find_motion(r);
+        status = find_motion_phases(r);
     if (status == PALP_ERR_NO_MEMORY)
         palp_error_set(error, status, "%s: out of memory", name);
     if (status || !whole)
@@ -304,7 +305,7 @@ palp_status palp_recording_prepare(const palp_experiment *experiment, const char
                                    palp_error *error) {
     if (!experiment || !name || !settings || !recording)
         return palp_error_null(error);
-    return make(experiment, name, settings, true, recording, error);
+    return build_from_experiment(experiment, name, settings, true, recording, error);
 }
 
 palp_status palp_recording_check(const palp_experiment *experiment, const char *name, double height_m,
@@ -314,5 +315,5 @@ palp_status palp_recording_check(const palp_experiment *experiment, const char *
     palp_recording_settings settings = palp_recording_settings_default();
     settings.height_m = height_m;
     palp_recording recording;
-    return make(experiment, name, &settings, false, &recording, error);
+    return build_from_experiment(experiment, name, &settings, false, &recording, error);
 }

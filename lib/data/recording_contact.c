@@ -20,7 +20,7 @@ double recording_mean(const palp_recording *r, size_t first, size_t n, size_t *u
 }
 
 /* Number of samples at rest or in air at the start: depth is not above the larger of its start and zero. */
-static size_t quiet_start(const palp_recording *r, double deepest) {
+static size_t count_quiet_samples(const palp_recording *r, double deepest) {
     double limit = fmax(r->depth_m[0], 0.0) + STARTED * (deepest - fmin(r->depth_m[0], 0.0));
     size_t i = 0;
     while (i < r->n && r->depth_m[i] <= limit)
@@ -29,7 +29,7 @@ static size_t quiet_start(const palp_recording *r, double deepest) {
 }
 
 /* First sample at half the largest force: always on the first press. */
-static size_t half_way(const palp_recording *r, double zero) {
+static size_t find_half_peak_sample(const palp_recording *r, double zero) {
     double top = zero;
     for (size_t i = 0; i < r->n; i++)
         top = r->use[i] ? fmax(top, r->force_N[i]) : top;
@@ -40,9 +40,9 @@ static size_t half_way(const palp_recording *r, double zero) {
 }
 
 /* First sample from which the force, averaged over a window, stays 4 sd above zero while it rises. */
-static size_t departure(const palp_recording *r, double zero) {
+static size_t find_force_departure(const palp_recording *r, double zero) {
     enum { WINDOW = 9 };
-    size_t end = half_way(r, zero), first = 0;
+    size_t end = find_half_peak_sample(r, zero), first = 0;
     double least = 1e-12 * fabs(r->force_N[end] - zero); /* without noise */
     double limit = 4.0 * fmax(r->noise_N, least) * sqrt((double)WINDOW), sum = 0.0;
     for (size_t i = 0; i <= end; i++) {
@@ -56,7 +56,8 @@ static size_t departure(const palp_recording *r, double zero) {
 }
 
 /* Where the line through samples first to end - 1 reaches zero force, and its sd. */
-static double crossing(const palp_recording *r, size_t first, size_t end, double zero, double *sd) {
+static double find_zero_force_crossing(const palp_recording *r, size_t first, size_t end, double zero,
+                                       double *sd) {
     statistics_line line =
         statistics_line_fit(end - first, r->depth_m + first, r->force_N + first, r->use + first);
     double way = (line.mean_y - zero) / line.slope; /* from there to the mean of the samples */
@@ -64,7 +65,7 @@ static double crossing(const palp_recording *r, size_t first, size_t end, double
     return line.mean_x - way;
 }
 
-static size_t stretch_end(const palp_recording *r, size_t first, double length) {
+static size_t find_end_of_stretch(const palp_recording *r, size_t first, double length) {
     size_t end = first;
     while (end < r->n && r->depth_m[end] - r->depth_m[first] < length)
         end++;
@@ -74,24 +75,25 @@ static size_t stretch_end(const palp_recording *r, size_t first, double length) 
 /* Contact extrapolated from the first 3 % of the travel. If the first 6 % lead elsewhere the force is curved,
  * and may be curved within the noise too: that difference counts three times. With few samples five of each,
  * if they are in the first quarter of the travel. False: too few samples. */
-static bool extrapolate(const palp_recording *r, size_t first, double deepest, double zero, double *at,
-                        double *sd) {
+static bool extrapolate_to_contact(const palp_recording *r, size_t first, double deepest, double zero,
+                                   double *at, double *sd) {
     enum { FEWEST = 5 };
-    size_t near = stretch_end(r, first, 0.03 * deepest), far = stretch_end(r, first, 0.06 * deepest);
+    size_t near = find_end_of_stretch(r, first, 0.03 * deepest),
+           far = find_end_of_stretch(r, first, 0.06 * deepest);
     double sd_far;
     near = near < first + FEWEST ? first + FEWEST : near;
     far = far < near + FEWEST ? near + FEWEST : far;
-    if (far > stretch_end(r, first, 0.25 * deepest))
+    if (far > find_end_of_stretch(r, first, 0.25 * deepest))
         return false;
-    *at = crossing(r, first, near, zero, sd);
-    double bend = fabs(*at - crossing(r, first, far, zero, &sd_far));
+    *at = find_zero_force_crossing(r, first, near, zero, sd);
+    double bend = fabs(*at - find_zero_force_crossing(r, first, far, zero, &sd_far));
     *sd = hypot(*sd, 3.0 * fmax(bend - *sd, 0.0));
     return isfinite(*at) && isfinite(*sd);
 }
 
 /* Zero force: mean of n samples in air or at rest. Its sd is that of white noise, unless the means of ten
  * parts differ by much more, by drift or correlated noise. */
-static void find_zero(palp_recording *r, size_t n) {
+static void find_zero_force(palp_recording *r, size_t n) {
     enum { PARTS = 10 };
     double part[PARTS], square = 0.0;
     size_t used;
@@ -108,17 +110,17 @@ static void find_zero(palp_recording *r, size_t n) {
 
 /* Air ends where the force departs; contact before depth 0 makes it end before the motion does. */
 static void find_zero_in_air(palp_recording *r, size_t quiet) {
-    find_zero(r, quiet);
+    find_zero_force(r, quiet);
     for (int round = 0; round < 2; round++) {
-        size_t left = departure(r, r->zero_N);
-        find_zero(r, left < quiet ? left : quiet);
+        size_t left = find_force_departure(r, r->zero_N);
+        find_zero_force(r, left < quiet ? left : quiet);
     }
 }
 
 /* With air the recorded contact is kept unless extrapolation differs by more than 3 sd. */
-static void check_contact(palp_recording *r, double deepest) {
+static void check_recorded_contact(palp_recording *r, double deepest) {
     double at, sd;
-    if (!extrapolate(r, departure(r, r->zero_N), deepest, r->zero_N, &at, &sd))
+    if (!extrapolate_to_contact(r, find_force_departure(r, r->zero_N), deepest, r->zero_N, &at, &sd))
         return;
     r->contact_sd_m = sd;
     if (fabs(at) > 3.0 * sd)
@@ -127,9 +129,9 @@ static void check_contact(palp_recording *r, double deepest) {
 
 /* Without air depth 0 is contact. Its uncertainty is given in the file, or else follows from the start of the
  * rise. */
-static void trust_contact(palp_recording *r, size_t quiet, double deepest) {
+static void find_contact_uncertainty(palp_recording *r, size_t quiet, double deepest) {
     double at, sd;
-    if (r->contact_sd_m == 0.0 && extrapolate(r, quiet, deepest, r->zero_N, &at, &sd))
+    if (r->contact_sd_m == 0.0 && extrapolate_to_contact(r, quiet, deepest, r->zero_N, &at, &sd))
         r->contact_sd_m = hypot(sd, at);
 }
 
@@ -138,12 +140,12 @@ void recording_find_contact(palp_recording *r, const palp_recording_settings *se
     double deepest = 0.0;
     for (size_t i = 0; i < r->n; i++)
         deepest = fmax(deepest, r->depth_m[i]);
-    size_t quiet = quiet_start(r, deepest);
+    size_t quiet = count_quiet_samples(r, deepest);
     bool air = quiet >= FEWEST && r->depth_m[0] < -STARTED * deepest;
     if (air)
         find_zero_in_air(r, quiet);
     else if (quiet >= FEWEST / 2 && fabs(r->depth_m[0]) <= STARTED * deepest)
-        find_zero(r, quiet); /* the plate rests on the specimen */
+        find_zero_force(r, quiet); /* the plate rests on the specimen */
     if (settings->contact_given || r->contact_found) {
         r->contact_rule = PALP_CONTACT_GIVEN;
         r->contact_m = settings->contact_given ? settings->contact_m : 0.0;
@@ -151,9 +153,9 @@ void recording_find_contact(palp_recording *r, const palp_recording_settings *se
         r->zero_N = r->contact_found ? 0.0 : r->zero_N;
     } else if (air) {
         r->contact_rule = PALP_CONTACT_FREE_AIR;
-        check_contact(r, deepest);
+        check_recorded_contact(r, deepest);
     } else {
         r->contact_rule = PALP_CONTACT_NOMINAL;
-        trust_contact(r, quiet, deepest);
+        find_contact_uncertainty(r, quiet, deepest);
     }
 }

@@ -10,7 +10,7 @@
 static const double SMALL = 0.1, OFF = 0.1, REGULAR = 0.9;
 
 /* Total number of steps in the differences; 0 if too few are multiples. */
-static double steps_in(size_t n, const double *difference, double step) {
+static double count_whole_steps(size_t n, const double *difference, double step) {
     double sum = 0.0, regular = 0.0;
     for (size_t i = 0; i < n; i++) {
         double steps = rint(difference[i] / step);
@@ -21,7 +21,7 @@ static double steps_in(size_t n, const double *difference, double step) {
 }
 
 /* Mean of the differences of about one step. */
-static double refined(size_t n, const double *difference, double about) {
+static double mean_of_single_steps(size_t n, const double *difference, double about) {
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < n; i++)
         if (fabs(difference[i] - about) <= 0.25 * about) {
@@ -41,8 +41,8 @@ palp_status palp_segments_clock(size_t n, const double *time_s, double *step_s, 
     for (size_t i = 0; i + 1 < n; i++)
         sorted[i] = difference[i] = time_s[i + 1] - time_s[i];
     double middle = statistics_median(sorted, n - 1), small = statistics_quantile(sorted, n - 1, SMALL);
-    small = refined(n - 1, difference, small);
-    double steps = steps_in(n - 1, difference, small);
+    small = mean_of_single_steps(n - 1, difference, small);
+    double steps = count_whole_steps(n - 1, difference, small);
     *step_s = steps > 0.0 ? small : middle;
     steps -= (double)(n - 1);
     *missing =

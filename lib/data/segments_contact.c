@@ -17,15 +17,15 @@ static const double APPROACH_AIR = 0.8; /* share of an approach that is certainl
 static const double RESTING = 1e-3;     /* relative to the travel: not moving yet */
 static const double FIRST_PART = 0.05;  /* share of the travel whose slope converts force to travel */
 
-static size_t smaller(size_t a, size_t b) {
+static size_t smaller_sample_index(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-static void average_running(palp_press *p) {
-    size_t half = smaller(p->n / 20, WINDOW / 2);
+static void compute_running_mean(palp_press *p) {
+    size_t half = smaller_sample_index(p->n / 20, WINDOW / 2);
     p->window = 2 * half + 1;
     for (size_t i = 0; i < p->n; i++) {
-        size_t from = i > half ? i - half : 0, to = smaller(i + half, p->n - 1);
+        size_t from = i > half ? i - half : 0, to = smaller_sample_index(i + half, p->n - 1);
         p->mean_N[i] = 0.0;
         for (size_t k = from; k <= to; k++)
             p->mean_N[i] += p->force_N[k] / (double)(to - from + 1);
@@ -48,7 +48,7 @@ palp_status palp_press_create(size_t n, const double *time_s, const double *dept
         palp_press_free(press);
         return status;
     }
-    average_running(press);
+    compute_running_mean(press);
     for (size_t i = 1; i < n; i++)
         if (fabs(press->mean_N[i] - press->mean_N[0]) > fabs(press->mean_N[press->peak] - press->mean_N[0]))
             press->peak = i;
@@ -69,7 +69,7 @@ double palp_air_force(const palp_air *air, double time_s) {
 }
 
 /* Fits the level (and the drift, if drifting) of the first n samples. */
-static void fit_air(const palp_press *p, size_t n, bool drifting, double least_sd, palp_air *air) {
+static void fit_line_to_air(const palp_press *p, size_t n, bool drifting, double least_sd, palp_air *air) {
     statistics_line line = statistics_line_fit(n, p->time_s, p->force_N, NULL);
     double squares = 0.0;
     air->drift_N_s = drifting ? line.slope : 0.0;
@@ -82,7 +82,7 @@ static void fit_air(const palp_press *p, size_t n, bool drifting, double least_s
 }
 
 /* The sample after the last one before the peak whose running mean is within so many sds of the air. */
-static size_t leaves(const palp_press *p, const palp_air *air, double sds) {
+static size_t find_departure_from_air(const palp_press *p, const palp_air *air, double sds) {
     size_t i = p->peak;
     while (i > 0 && fabs(p->mean_N[i] - palp_air_force(air, p->time_s[i])) > sds * air->sd_N)
         i--;
@@ -91,9 +91,9 @@ static size_t leaves(const palp_press *p, const palp_air *air, double sds) {
 
 /* Uncertainty of contact: from where it may have begun; the running mean is early by up to half its
  * window. */
-static double exactness(const palp_press *p, const palp_air *air) {
-    size_t early = smaller(leaves(p, air, DOUBTFUL), air->contact);
-    size_t late = smaller(air->contact + p->window / 2, p->n - 1);
+static double contact_depth_uncertainty(const palp_press *p, const palp_air *air) {
+    size_t early = smaller_sample_index(find_departure_from_air(p, air, DOUBTFUL), air->contact);
+    size_t late = smaller_sample_index(air->contact + p->window / 2, p->n - 1);
     return fmax(fabs(p->depth[air->contact] - p->depth[early]),
                 fabs(p->depth[late] - p->depth[air->contact]));
 }
@@ -106,19 +106,19 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
     double least_sd =
         fmax(p->noise_N / sqrt((double)p->window), 1e-6 * fabs(p->mean_N[p->peak] - p->mean_N[0]));
     size_t rest = palp_press_rest(p);
-    size_t n = smaller(approach             ? (size_t)(APPROACH_AIR * (double)p->peak)
-                       : rest >= REST_LEAST ? rest
-                                            : 5 * p->window,
-                       p->peak);
-    fit_air(p, n > 2 ? n : 2, approach, least_sd, &air);
-    air.contact = leaves(p, &air, BEYOND);
+    size_t n = smaller_sample_index(approach             ? (size_t)(APPROACH_AIR * (double)p->peak)
+                                    : rest >= REST_LEAST ? rest
+                                                         : 5 * p->window,
+                                    p->peak);
+    fit_line_to_air(p, n > 2 ? n : 2, approach, least_sd, &air);
+    air.contact = find_departure_from_air(p, &air, BEYOND);
     for (int round = 0; !approach && round < ROUNDS; round++) {
         if (air.contact <= 3 * p->window || air.contact >= p->peak)
             break;
-        fit_air(p, air.contact - p->window, false, least_sd, &air);
-        air.contact = leaves(p, &air, BEYOND);
+        fit_line_to_air(p, air.contact - p->window, false, least_sd, &air);
+        air.contact = find_departure_from_air(p, &air, BEYOND);
     }
-    air.contact_sd = exactness(p, &air);
+    air.contact_sd = contact_depth_uncertainty(p, &air);
     air.contact_depth = p->depth[air.contact];
     if (!approach && air.contact < p->peak)
         segments_refine_contact(p, &air);
@@ -130,7 +130,7 @@ palp_air palp_press_air(const palp_press *p, bool approach) {
 bool palp_press_starts_in_air(const palp_press *p) {
     if (!p)
         return false;
-    size_t n = smaller(5 * p->window, p->n), third = n / 3;
+    size_t n = smaller_sample_index(5 * p->window, p->n), third = n / 3;
     double squares = 0.0, level = statistics_mean(p->force_N, n);
     if (n < AIR_LEAST)
         return false;
@@ -143,7 +143,7 @@ bool palp_press_starts_in_air(const palp_press *p) {
 /* ---- no air ---- */
 
 /* First sample that is so far from the start. */
-static size_t moved(const palp_press *p, double by) {
+static size_t find_first_moved_sample(const palp_press *p, double by) {
     size_t i = 0;
     while (i + 1 < p->n && fabs(p->depth[i] - p->depth[0]) <= by)
         i++;
@@ -151,14 +151,14 @@ static size_t moved(const palp_press *p, double by) {
 }
 
 size_t palp_press_rest(const palp_press *p) {
-    return p ? moved(p, RESTING * fabs(p->depth[p->peak] - p->depth[0])) : 0;
+    return p ? find_first_moved_sample(p, RESTING * fabs(p->depth[p->peak] - p->depth[0])) : 0;
 }
 
 double palp_press_travel(const palp_press *p, double force_N) {
     if (!p)
         return NAN;
     double travel = p->depth[p->peak] - p->depth[0];
-    size_t from = palp_press_rest(p), to = moved(p, FIRST_PART * fabs(travel));
+    size_t from = palp_press_rest(p), to = find_first_moved_sample(p, FIRST_PART * fabs(travel));
     double rise_N = p->mean_N[to] - p->mean_N[from], way = p->depth[to] - p->depth[from];
     if (rise_N * way <= 0.0) {
         rise_N = p->mean_N[p->peak] - p->mean_N[0];

@@ -10,7 +10,7 @@
 static const double SD_OF_MEDIAN = 1.4826, KEPT_VARIANCE = 0.76, BEYOND = 4.5;
 
 /* Root mean square of the values up to a limit. */
-static double trimmed_rms(const double *x, size_t n, double limit) {
+static double rms_up_to_limit(const double *x, size_t n, double limit) {
     double sum = 0.0, kept = 0.0;
     for (size_t i = 0; i < n; i++)
         if (x[i] <= limit) {
@@ -42,23 +42,23 @@ static double trimmed_median(double *bend, size_t n, double middle) {
 
 /* Corners and spikes do not affect a median. The few levels of a coarse converter give quantiles unlike a
  * Gaussian's (0.32, 0.67, 1.64 sd). In that case the mean square of all but the largest is taken. */
-static double by_median(double *bend, size_t n) {
+static double noise_by_median(double *bend, size_t n) {
     double middle = statistics_quantile(bend, n, 0.5), quarter = statistics_quantile(bend, n, 0.25);
     double most = statistics_quantile(bend, n, 0.85);
     bool coarse = quarter >= 0.9 * middle || most > 5.0 * middle;
-    return coarse ? trimmed_rms(bend, n, statistics_quantile(bend, n, 0.99))
+    return coarse ? rms_up_to_limit(bend, n, statistics_quantile(bend, n, 0.99))
                   : SD_OF_MEDIAN * trimmed_median(bend, n, middle);
 }
 
-static double by_most(double *bend, size_t n) {
+static double noise_by_most_samples(double *bend, size_t n) {
     size_t used = n - n / 20;
     double limit = statistics_kth(bend, n, used - 1);
-    return trimmed_rms(bend, used, limit) / sqrt(KEPT_VARIANCE);
+    return rms_up_to_limit(bend, used, limit) / sqrt(KEPT_VARIANCE);
 }
 
 /* Distance of a sample from the line through its neighbours, scaled like the second difference of an even
  * path. */
-static double bend_at(const double *time, const double *force, size_t i) {
+static double second_difference_at(const double *time, const double *force, size_t i) {
     double even = fabs(force[i - 1] - 2.0 * force[i] + force[i + 1]);
     if (!time)
         return even;
@@ -79,9 +79,10 @@ palp_status palp_segments_noise(size_t n, const double *time_s, double step_s, c
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 1; i + 1 < n; i++)
         if (!time_s || time_s[i + 1] - time_s[i - 1] < 3.0 * step_s)
-            bend[m++] = bend_at(time_s, force_N, i);
+            bend[m++] = second_difference_at(time_s, force_N, i);
     if (m > 0) /* a second difference has sqrt(6) times the sd of a sample */
-        *sd = (rule == PALP_NOISE_MEDIAN ? by_median(bend, m) : by_most(bend, m)) / sqrt(6.0);
+        *sd = (rule == PALP_NOISE_MEDIAN ? noise_by_median(bend, m) : noise_by_most_samples(bend, m)) /
+              sqrt(6.0);
     free(bend);
     return PALP_OK;
 }

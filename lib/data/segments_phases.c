@@ -23,13 +23,13 @@ typedef struct walk {
     double motion_s; /* duration of the last motion in the specimen; 0 = none yet */
 } walk;
 
-static palp_phase moving(walk *w, bool back) {
+static palp_phase phase_of_motion(walk *w, bool back) {
     w->unloaded = w->unloaded || back;
     return back ? PALP_PHASE_UNLOAD : w->unloaded ? PALP_PHASE_RELOAD : PALP_PHASE_RAMP;
 }
 
 /* Sets a sample's phase; outside of the specimen it is air or recovery, moving or not. */
-static void put(walk *w, size_t i, palp_phase phase) {
+static void assign_sample_phase(walk *w, size_t i, palp_phase phase) {
     w->touched = w->touched || w->depth[i] > 0.0;
     w->phase[i] = (unsigned char)(w->depth[i] > 0.0 ? phase
                                   : w->touched      ? PALP_PHASE_RECOVERY
@@ -37,26 +37,28 @@ static void put(walk *w, size_t i, palp_phase phase) {
 }
 
 /* A motion between two samples; it begins with a corner unless it only comes out of the air. */
-static void walk_motion(walk *w, size_t first, size_t last, bool back, bool corner) {
+static void assign_motion_phases(walk *w, size_t first, size_t last, bool back, bool corner) {
     w->motion_s = w->time[last] - w->time[first];
-    palp_phase phase = moving(w, back);
+    palp_phase phase = phase_of_motion(w, back);
     for (size_t i = first; i < last; i++)
-        put(w, i, corner && w->time[i] - w->time[first] < CORNER * w->motion_s ? PALP_PHASE_CORNER : phase);
+        assign_sample_phase(
+            w, i, corner && w->time[i] - w->time[first] < CORNER * w->motion_s ? PALP_PHASE_CORNER : phase);
 }
 
-static void walk_still(walk *w, size_t first, size_t last) {
+static void assign_dwell_phases(walk *w, size_t first, size_t last) {
     double early = w->motion_s > 0.0 ? EARLY * w->motion_s : HUGE_VAL;
     for (size_t i = first; i < last; i++) {
         double since = w->time[i] - w->time[first];
-        put(w, i,
-            since < CORNER * w->motion_s ? PALP_PHASE_CORNER
-            : since < early              ? PALP_PHASE_EARLY_DWELL
-                                         : PALP_PHASE_LATE_DWELL);
+        assign_sample_phase(w, i,
+                            since < CORNER * w->motion_s ? PALP_PHASE_CORNER
+                            : since < early              ? PALP_PHASE_EARLY_DWELL
+                                                         : PALP_PHASE_LATE_DWELL);
     }
 }
 
 /* The next sample at which an oscillation turns, or last. */
-static size_t next_turn(const double *depth, size_t from, size_t last, double back, bool *down) {
+static size_t find_next_turning_point(const double *depth, size_t from, size_t last, double back,
+                                      bool *down) {
     size_t high = from, low = from;
     for (size_t i = from + 1; i <= last; i++) {
         high = depth[i] > depth[high] ? i : high;
@@ -74,7 +76,7 @@ static size_t next_turn(const double *depth, size_t from, size_t last, double ba
     return last;
 }
 
-static void walk_oscillation(walk *w, const palp_piece *piece) {
+static void assign_cycle_phases(walk *w, const palp_piece *piece) {
     double low = w->depth[piece->first], high = low;
     for (size_t i = piece->first; i <= piece->last; i++) {
         low = fmin(low, w->depth[i]);
@@ -82,43 +84,43 @@ static void walk_oscillation(walk *w, const palp_piece *piece) {
     }
     for (size_t from = piece->first, to; from < piece->last; from = to) {
         bool down;
-        to = next_turn(w->depth, from, piece->last, TURN * (high - low), &down);
-        walk_motion(w, from, to, down, true);
+        to = find_next_turning_point(w->depth, from, piece->last, TURN * (high - low), &down);
+        assign_motion_phases(w, from, to, down, true);
     }
 }
 
-static void walk_piece(walk *w, const palp_pieces *pieces, size_t k) {
+static void assign_piece_phases(walk *w, const palp_pieces *pieces, size_t k) {
     const palp_piece *piece = &pieces->piece[k];
     bool comes = k == 0 || pieces->piece[k - 1].motion == PALP_MOTION_APPROACH;
     if (piece->motion == PALP_MOTION_REST || piece->motion == PALP_MOTION_DWELL)
-        walk_still(w, piece->first, piece->last);
+        assign_dwell_phases(w, piece->first, piece->last);
     else if (piece->motion == PALP_MOTION_CYCLE || piece->motion == PALP_MOTION_SWEEP)
-        walk_oscillation(w, piece);
+        assign_cycle_phases(w, piece);
     else if (piece->motion == PALP_MOTION_APPROACH)
         for (size_t i = piece->first; i < piece->last; i++)
-            put(w, i, PALP_PHASE_RAMP);
+            assign_sample_phase(w, i, PALP_PHASE_RAMP);
     else
-        walk_motion(w, piece->first, piece->last, piece->motion == PALP_MOTION_UNLOAD, !comes);
+        assign_motion_phases(w, piece->first, piece->last, piece->motion == PALP_MOTION_UNLOAD, !comes);
 }
 
 /* A dwell from where its force is reached. The motion before it began where the plate left the air, or
  * stood. */
-static void walk_creep(walk *w, const palp_piece *piece) {
+static void assign_creep_phases(walk *w, const palp_piece *piece) {
     size_t start = piece->first;
     while (start > 0 && (w->phase[start - 1] == PALP_PHASE_RAMP || w->phase[start - 1] == PALP_PHASE_RELOAD ||
                          w->phase[start - 1] == PALP_PHASE_CORNER))
         start--;
     w->motion_s = w->time[piece->first + 1] - w->time[start]; /* at least one sample */
-    walk_still(w, piece->first, piece->last);
+    assign_dwell_phases(w, piece->first, piece->last);
 }
 
-static palp_status walk_creeps(walk *w, size_t n, const double *force) {
+static palp_status assign_all_creep_phases(walk *w, size_t n, const double *force) {
     palp_pieces creep;
     palp_status status = palp_segments_creep(n, w->time, w->depth, force, &creep);
     if (status)
         return status;
     for (size_t k = 0; k < creep.n; k++)
-        walk_creep(w, &creep.piece[k]);
+        assign_creep_phases(w, &creep.piece[k]);
     palp_pieces_free(&creep);
     return PALP_OK;
 }
@@ -133,8 +135,8 @@ palp_status palp_segments_phases(size_t n, const double *time, const double *dep
         return status;
     walk w = {.time = time, .depth = depth, .phase = phase};
     for (size_t k = 0; k < pieces.n; k++)
-        walk_piece(&w, &pieces, k);
-    put(&w, n - 1, n > 1 ? (palp_phase)phase[n - 2] : PALP_PHASE_RAMP);
+        assign_piece_phases(&w, &pieces, k);
+    assign_sample_phase(&w, n - 1, n > 1 ? (palp_phase)phase[n - 2] : PALP_PHASE_RAMP);
     palp_pieces_free(&pieces);
-    return force ? walk_creeps(&w, n, force) : PALP_OK;
+    return force ? assign_all_creep_phases(&w, n, force) : PALP_OK;
 }

@@ -44,7 +44,7 @@ typedef struct path {
     palp_pieces *to;
 } path;
 
-static void add(path *p, palp_motion motion, size_t first, size_t last) {
+static void append_motion_piece(path *p, palp_motion motion, size_t first, size_t last) {
     palp_pieces *to = p->to;
     if (first == last || !p->whole)
         return;
@@ -65,7 +65,7 @@ static void add(path *p, palp_motion motion, size_t first, size_t last) {
 
 /* ---- turns ---- */
 
-static bool find_turns(path *p) {
+static bool find_turning_points(path *p) {
     double back = fmax(TURN * p->range, 3.0 * p->still);
     size_t low = 0, high = 0, n = 1;
     int way = 0;
@@ -92,33 +92,33 @@ static bool find_turns(path *p) {
     return true;
 }
 
-static double leg_way(const path *p, size_t leg) {
+static double depth_range_of_leg(const path *p, size_t leg) {
     return fabs(p->depth[p->turn[leg + 1]] - p->depth[p->turn[leg]]);
 }
 
-static double leg_time(const path *p, size_t leg) {
+static double duration_of_leg(const path *p, size_t leg) {
     return p->time[p->turn[leg + 1]] - p->time[p->turn[leg]];
 }
 
 /* Does a leg move nearly all the time? */
-static bool leg_moves(const path *p, size_t leg) {
+static bool does_leg_move_steadily(const path *p, size_t leg) {
     size_t first = p->turn[leg], last = p->turn[leg + 1];
-    double a = fmin(p->depth[first], p->depth[last]), way = leg_way(p, leg), near = 0.0;
+    double a = fmin(p->depth[first], p->depth[last]), way = depth_range_of_leg(p, leg), near = 0.0;
     for (size_t i = first; i < last; i++) {
         double part = (0.5 * (p->depth[i] + p->depth[i + 1]) - a) / way;
         near += part < 0.05 || part > 0.95 ? p->time[i + 1] - p->time[i] : 0.0;
     }
     /* With few samples each takes much of the leg. */
-    return near <= (ENDS + 2.0 / (double)(last - first)) * leg_time(p, leg);
+    return near <= (ENDS + 2.0 / (double)(last - first)) * duration_of_leg(p, leg);
 }
 
 /* Number of legs from this one on that oscillate alike. */
-static size_t oscillation(const path *p, size_t leg) {
+static size_t find_oscillation_end(const path *p, size_t leg) {
     size_t end = leg;
     double least = HUGE_VAL, most = 0.0;
     for (; end + 1 < p->n_turns; end++) {
-        double way = leg_way(p, end);
-        if (!leg_moves(p, end) || fmax(most, way) > ALIKE * ALIKE * fmin(least, way))
+        double way = depth_range_of_leg(p, end);
+        if (!does_leg_move_steadily(p, end) || fmax(most, way) > ALIKE * ALIKE * fmin(least, way))
             break;
         least = fmin(least, way);
         most = fmax(most, way);
@@ -126,9 +126,9 @@ static size_t oscillation(const path *p, size_t leg) {
     return end - leg >= LEGS ? end : leg;
 }
 
-static bool is_sweep(const path *p, size_t leg, size_t end) {
-    double first = leg_time(p, leg) + leg_time(p, leg + 1),
-           last = leg_time(p, end - 1) + leg_time(p, end - 2);
+static bool is_frequency_sweep(const path *p, size_t leg, size_t end) {
+    double first = duration_of_leg(p, leg) + duration_of_leg(p, leg + 1),
+           last = duration_of_leg(p, end - 1) + duration_of_leg(p, end - 2);
     return first > SWEPT * last || last > SWEPT * first;
 }
 
@@ -139,19 +139,19 @@ typedef struct stretch {
     int way; /* -1 back, 0 still, 1 into the specimen */
 } stretch;
 
-static double travel(const path *p, const stretch *s) {
+static double depth_change_of_stretch(const path *p, const stretch *s) {
     return p->depth[s->last] - p->depth[s->first];
 }
 
-static double lasting(const path *p, const stretch *s) {
+static double duration_of_stretch(const path *p, const stretch *s) {
     return p->time[s->last] - p->time[s->first];
 }
 
-static double speed(const path *p, const stretch *s) {
-    return fabs(travel(p, s)) / lasting(p, s);
+static double mean_speed_of_stretch(const path *p, const stretch *s) {
+    return fabs(depth_change_of_stretch(p, s)) / duration_of_stretch(p, s);
 }
 
-static size_t merge(stretch *s, size_t n) {
+static size_t merge_equal_stretches(stretch *s, size_t n) {
     size_t m = 0;
     for (size_t k = 1; k < n; k++)
         if (s[k].way == s[m].way)
@@ -162,7 +162,7 @@ static size_t merge(stretch *s, size_t n) {
 }
 
 /* Divides the path into straight stretches, and merges those of one direction. */
-static size_t cut(const path *p, size_t from, size_t to, stretch *s) {
+static size_t split_into_stretches(const path *p, size_t from, size_t to, stretch *s) {
     size_t n = 0;
     for (size_t first = from, last; first < to; first = last) {
         segments_cone cone = segments_cone_open();
@@ -173,26 +173,28 @@ static size_t cut(const path *p, size_t from, size_t to, stretch *s) {
         double way = p->depth[last] - p->depth[first];
         s[n++] = (stretch){first, last, fabs(way) <= 2.5 * p->still ? 0 : way > 0.0 ? 1 : -1};
     }
-    return merge(s, n);
+    return merge_equal_stretches(s, n);
 }
 
 /* Is a rest too short, or nearly as fast as the motion next to it? Then it is part of that motion. */
-static bool is_short(const path *p, const stretch *s, const stretch *before, const stretch *after) {
+static bool is_stretch_too_short(const path *p, const stretch *s, const stretch *before,
+                                 const stretch *after) {
     const stretch *beside = before ? before : after;
     if (s->way != 0 || !beside)
         return false;
-    double least = (before ? LASTS : RESTS) * lasting(p, beside);
+    double least = (before ? LASTS : RESTS) * duration_of_stretch(p, beside);
     if (before && after && before->way == after->way) /* a halt during the motion */
-        least = fmax(least, HALTS * lasting(p, after));
-    return lasting(p, s) < least || speed(p, s) > SLOWER * speed(p, beside);
+        least = fmax(least, HALTS * duration_of_stretch(p, after));
+    return duration_of_stretch(p, s) < least ||
+           mean_speed_of_stretch(p, s) > SLOWER * mean_speed_of_stretch(p, beside);
 }
 
-static size_t drop_short(const path *p, stretch *s, size_t n) {
+static size_t absorb_short_stretches(const path *p, stretch *s, size_t n) {
     size_t m = 0; /* stretches kept, of which the last one grows */
     for (size_t k = 0; k < n; k++) {
         const stretch *before = m > 0 ? &s[m - 1] : NULL, *after = k + 1 < n ? &s[k + 1] : NULL;
         stretch now = s[k];
-        if (is_short(p, &now, before, after))
+        if (is_stretch_too_short(p, &now, before, after))
             now.way = before ? before->way : after->way;
         if (before && before->way == now.way)
             s[m - 1].last = now.last;
@@ -203,12 +205,12 @@ static size_t drop_short(const path *p, stretch *s, size_t n) {
 }
 
 /* A return after overshoot belongs to the dwell. */
-static size_t drop_overshoots(const path *p, stretch *s, size_t n) {
+static size_t absorb_overshoots(const path *p, stretch *s, size_t n) {
     for (size_t k = 1; k + 1 < n; k++)
         if (s[k].way == -s[k - 1].way && s[k + 1].way == 0 &&
-            fabs(travel(p, &s[k])) < OVERSHOOT * fabs(travel(p, &s[k - 1])))
+            fabs(depth_change_of_stretch(p, &s[k])) < OVERSHOOT * fabs(depth_change_of_stretch(p, &s[k - 1])))
             s[k].way = 0;
-    return merge(s, n);
+    return merge_equal_stretches(s, n);
 }
 
 /* ---- names ---- */
@@ -220,67 +222,71 @@ static size_t crosses_contact(const path *p, const stretch *s) {
     return i;
 }
 
-static void name_stretch(path *p, const stretch *s) {
+static void add_named_stretch(path *p, const stretch *s) {
     double shallow = SHALLOW * fmax(p->deepest, 0.0);
     if (s->way == 0) {
         double middle = 0.5 * (p->depth[s->first] + p->depth[s->last]);
-        add(p,
-            middle <= (s->first == 0 ? PRELOADED * fmax(p->deepest, 0.0) : shallow) ? PALP_MOTION_REST
-                                                                                    : PALP_MOTION_DWELL,
-            s->first, s->last);
+        append_motion_piece(p,
+                            middle <= (s->first == 0 ? PRELOADED * fmax(p->deepest, 0.0) : shallow)
+                                ? PALP_MOTION_REST
+                                : PALP_MOTION_DWELL,
+                            s->first, s->last);
     } else if (s->way < 0) {
-        add(p, PALP_MOTION_UNLOAD, s->first, s->last);
+        append_motion_piece(p, PALP_MOTION_UNLOAD, s->first, s->last);
     } else if (p->depth[s->last] <= shallow) {
-        add(p, PALP_MOTION_APPROACH, s->first, s->last);
+        append_motion_piece(p, PALP_MOTION_APPROACH, s->first, s->last);
     } else {
         size_t contact = p->depth[s->first] < -shallow ? crosses_contact(p, s) : s->first;
-        add(p, PALP_MOTION_APPROACH, s->first, contact);
-        add(p, PALP_MOTION_RAMP, contact, s->last);
+        append_motion_piece(p, PALP_MOTION_APPROACH, s->first, contact);
+        append_motion_piece(p, PALP_MOTION_RAMP, contact, s->last);
     }
 }
 
 /* Number of stretches without those that belong to the oscillation after them: the start of its first leg
  * after a rest or dwell, and the first turn. */
-static size_t without_start(const path *p, const stretch *s, size_t n, double leg) {
+static size_t drop_oscillation_start(const path *p, const stretch *s, size_t n, double leg) {
     size_t k = n > 0 && s[n - 1].way == 0 ? n - 1 : n;
-    return k > 1 && s[k - 1].way != 0 && s[k - 2].way == 0 && fabs(travel(p, &s[k - 1])) < 1.3 * leg ? k - 1
-                                                                                                     : n;
+    return k > 1 && s[k - 1].way != 0 && s[k - 2].way == 0 &&
+                   fabs(depth_change_of_stretch(p, &s[k - 1])) < 1.3 * leg
+               ? k - 1
+               : n;
 }
 
 /* Pieces between two samples without oscillation. leg: length of a leg of the oscillation that follows, 0 if
  * none. Returns where the oscillation begins. */
-static size_t straight(path *p, size_t from, size_t to, double leg) {
+static size_t add_straight_stretches(path *p, size_t from, size_t to, double leg) {
     stretch *s = malloc((to - from + 1) * sizeof *s);
     if (!s) {
         p->whole = false;
         return to;
     }
-    size_t n = drop_overshoots(p, s, drop_short(p, s, cut(p, from, to, s))),
-           own = leg > 0.0 ? without_start(p, s, n, leg) : n;
+    size_t n = absorb_overshoots(p, s, absorb_short_stretches(p, s, split_into_stretches(p, from, to, s))),
+           own = leg > 0.0 ? drop_oscillation_start(p, s, n, leg) : n;
     for (size_t k = 0; k < own; k++)
-        name_stretch(p, &s[k]);
+        add_named_stretch(p, &s[k]);
     to = own < n ? s[own].first : to;
     free(s);
     return to;
 }
 
-static void find_pieces(path *p) {
+static void find_motion_pieces(path *p) {
     size_t from = 0;
     for (size_t leg = 0; leg + 1 < p->n_turns;) {
-        size_t end = oscillation(p, leg);
+        size_t end = find_oscillation_end(p, leg);
         if (end == leg) {
             leg++;
             continue;
         }
         size_t first = p->turn[leg];
         if (first > from)
-            first = straight(p, from, first, leg_way(p, leg));
-        add(p, is_sweep(p, leg, end) ? PALP_MOTION_SWEEP : PALP_MOTION_CYCLE, first, p->turn[end]);
+            first = add_straight_stretches(p, from, first, depth_range_of_leg(p, leg));
+        append_motion_piece(p, is_frequency_sweep(p, leg, end) ? PALP_MOTION_SWEEP : PALP_MOTION_CYCLE, first,
+                            p->turn[end]);
         from = p->turn[end];
         leg = end;
     }
     if (from + 1 < p->n)
-        straight(p, from, p->n - 1, 0.0);
+        add_straight_stretches(p, from, p->n - 1, 0.0);
 }
 
 palp_status palp_segments_pieces(size_t n, const double *time_s, const double *depth, palp_pieces *pieces) {
@@ -301,9 +307,9 @@ palp_status palp_segments_pieces(size_t n, const double *time_s, const double *d
     if (status)
         return status;
     p.still = fmax(STILL * p.range, fmin(NOISE * noise, 0.05 * p.range));
-    if (!find_turns(&p))
+    if (!find_turning_points(&p))
         return PALP_ERR_NO_MEMORY;
-    find_pieces(&p);
+    find_motion_pieces(&p);
     free(p.turn);
     if (!p.whole)
         palp_pieces_free(pieces);

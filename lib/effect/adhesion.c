@@ -6,7 +6,7 @@
 /* value: force, reach. The traction of Xu and Needleman (1993): the pull rises with the gap to a maximum at
  * the reach and falls beyond. Without a reach the surface stays on the plate up to that force; there is then
  * no derivative by the reach. */
-static void bond(const double *value, double gap, effect_bond *out) {
+static void evaluate_adhesive_bond(const double *value, double gap, effect_bond *out) {
     out->strongest = out->pull = value[0];
     out->reach = value[1];
     out->by_value[0] = 1.0;
@@ -21,17 +21,17 @@ static void bond(const double *value, double gap, effect_bond *out) {
 
 /* If plates let go with a jump the force is not fitted, as the last sample before the jump has no derivative.
  * It lies between the largest recorded pull and one too large, both with three sds of the noise. */
-static bool read_pull(const effect_data *data, effect_read *out) {
+static bool read_strongest_pull(const effect_data *data, effect_read *out) {
     double noise = 3.0 * data->white;
     out->low = fmax(0.0, data->pull[0] - noise);
     out->high = fmax(data->pull[0], data->pull[1]) + noise;
     return data->n_releases > 0;
 }
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_adhesion_starts(const effect_data *data, effect_starts *out) {
     static const double parts[] = {0.003, 0.02, 0.06, 0.2}, places[] = {0.1, 0.35, 0.6, 0.85};
     effect_read read;
-    const bool jumps = read_pull(data, &read);
+    const bool jumps = read_strongest_pull(data, &read);
     for (size_t k = 0; k < (jumps ? 4u : 2u); k++) /* the maximum of a noisy record exceeds the pull */
         for (size_t j = 0; j < 4; j++)
             effect_start_at(
@@ -53,7 +53,7 @@ const effect_row effect_adhesion = {
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_BIAS),
              .in_lumped = true,
              .in_network = true},
-    .bond = bond,
+    .bond = evaluate_adhesive_bond,
     .need = EFFECT_NEEDS_WITHDRAWAL,
-    .starts = starts,
-    .read = read_pull};
+    .starts = propose_adhesion_starts,
+    .read = read_strongest_pull};

@@ -1,7 +1,7 @@
 /* contact_offset.c: a surface that is not at the nominal depth 0. */
 #include "effect_internal.h"
 
-static void map(const double *value, const effect_press *at, effect_surface *out) {
+static void subtract_contact_offset(const double *value, const effect_press *at, effect_surface *out) {
     out->depth = at->depth - value[0];
     out->by_value[0] = -1.0;
 }
@@ -19,6 +19,6 @@ const effect_row effect_contact_offset = {
              .in_lumped = true,
              .in_network = true},
     .stage = 1,
-    .map = map,
+    .map = subtract_contact_offset,
     .as_scatter = true,
     .of_runs = true};

@@ -6,8 +6,8 @@
 static const double SLIDING =
     1e-3; /* relative to the run's largest speed: the speed at half the friction force */
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void add_friction_force(const double *value, const effect_moment *at, double input, double input_old,
+                               double output_old, effect_reading *out) {
     (void)input_old, (void)output_old;
     out->by_value[0] =
         at->velocity == 0.0 ? 0.0 : at->velocity / (fabs(at->velocity) + SLIDING * at->fastest);
@@ -26,6 +26,6 @@ const effect_row effect_coulomb_friction = {
              .in_lumped = true,
              .in_network = true},
     .stage = 2,
-    .sensor = sensor,
+    .sensor = add_friction_force,
     .need = EFFECT_NEEDS_REVERSAL,
     .least = 0.02};

@@ -1,15 +1,15 @@
 /* damage_softening.c: a spring that is softer below the largest strain so far (Ogden and Roxburgh 1999). */
 #include "effect_internal.h"
 
-static void history(const double *value, element_damage *damage,
-                    element_damage by_value[PALP_EFFECT_PARAMETERS]) {
+static void set_damage_softening(const double *value, element_damage *damage,
+                                 element_damage by_value[PALP_EFFECT_PARAMETERS]) {
     damage->softening = value[0];
     damage->sharpness = value[1];
     by_value[0].softening = 1.0;
     by_value[1].sharpness = 1.0;
 }
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_softening_starts(const effect_data *data, effect_starts *out) {
     (void)data;
     effect_start_at(out, 0.05, 0.2, 0.0);
     effect_start_at(out, 0.05, 0.5, 0.0);
@@ -30,7 +30,7 @@ const effect_row effect_damage_softening = {
              EFFECT_ALIKE(PALP_EFFECT_PERMANENT_SET, PALP_EFFECT_COULOMB_FRICTION),
              .in_lumped = true,
              .in_network = true},
-    .history = history,
-    .starts = starts,
+    .history = set_damage_softening,
+    .starts = propose_softening_starts,
     .need = EFFECT_NEEDS_UNLOADING,
     .least = 0.1};

@@ -6,8 +6,8 @@
 static const double TURN = 6.28318530717958647692;
 
 /* value: amplitude, period, phase. */
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void add_drive_ripple_force(const double *value, const effect_moment *at, double input,
+                                   double input_old, double output_old, effect_reading *out) {
     (void)input_old, (void)output_old;
     double turn = TURN * at->depth / value[1], wave = sin(turn + value[2]), slope = cos(turn + value[2]);
     out->force = input + value[0] * wave;
@@ -16,7 +16,7 @@ static void sensor(const double *value, const effect_moment *at, double input, d
     out->by_value[2] = value[0] * slope;
 }
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_ripple_starts(const effect_data *data, effect_starts *out) {
     double wave[3];
     palp_status status = data->wave_in_depth(data, wave);
     if (!status)
@@ -40,8 +40,8 @@ const effect_row effect_drive_ripple = {
              .in_lumped = true,
              .in_network = true},
     .stage = 4,
-    .sensor = sensor,
-    .starts = starts,
+    .sensor = add_drive_ripple_force,
+    .starts = propose_ripple_starts,
     .scanned = 600,
     .need = EFFECT_NEEDS_PERIODS,
     .least = 3};

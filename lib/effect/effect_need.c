@@ -9,7 +9,7 @@ static const double TURNED =
 static const double CLEAR =
     1.0 / 3.0; /* relative to a line's highest frequency: its alias must lie so far above slow changes */
 
-static bool nyquist(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
+static bool needs_sampling_rate(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     const palp_effect_parameter *frequency = &row->info.parameter[1];
     const double rate = (1.0 + CLEAR) * frequency->high, periods = data->duration * frequency->low;
     if (data->shown.rate < rate)
@@ -23,7 +23,7 @@ static bool nyquist(const effect_row *row, const effect_data *data, char lack[EF
     return data->shown.rate >= rate && periods >= row->least;
 }
 
-static bool rates(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
+static bool needs_several_rates(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     const effect_shown *shown = &data->shown;
     snprintf(lack, EFFECT_LACK_MAX,
              "the plate presses at one speed (the fastest is %.2g times the slowest), with no pause or way "
@@ -32,21 +32,23 @@ static bool rates(const effect_row *row, const effect_data *data, char lack[EFFE
     return shown->speeds >= row->least || shown->back >= TURNED;
 }
 
-static bool reversal(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
+static bool needs_motion_reversal(const effect_row *row, const effect_data *data,
+                                  char lack[EFFECT_LACK_MAX]) {
     snprintf(lack, EFFECT_LACK_MAX,
              "the plate goes back by %.2g %% of the depth, %.2g %% are needed; needed: %s",
              100.0 * data->shown.back, 100.0 * row->least, row->info.seen_by);
     return data->shown.back >= row->least;
 }
 
-static bool depths(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
+static bool needs_several_depths(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     snprintf(lack, EFFECT_LACK_MAX,
              "all dwells and runs go to one depth (the deepest is %.3g times the least deep); needed: %s",
              data->shown.depths, row->info.seen_by);
     return data->shown.depths >= row->least || data->shown.back >= TURNED;
 }
 
-static bool periods(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
+static bool needs_several_periods(const effect_row *row, const effect_data *data,
+                                  char lack[EFFECT_LACK_MAX]) {
     const double room = 0.5 * data->deepest / data->shown.stride;
     snprintf(lack, EFFECT_LACK_MAX,
              "the travel has %.2g periods of two samples each, %.0f are needed; needed: %s", room, row->least,
@@ -57,17 +59,17 @@ static bool periods(const effect_row *row, const effect_data *data, char lack[EF
 bool effect_need_met(const effect_row *row, const effect_data *data, char lack[EFFECT_LACK_MAX]) {
     switch (row->need) {
     case EFFECT_NEEDS_RATES:
-        return rates(row, data, lack);
+        return needs_several_rates(row, data, lack);
     case EFFECT_NEEDS_REVERSAL:
-        return reversal(row, data, lack);
+        return needs_motion_reversal(row, data, lack);
     case EFFECT_NEEDS_UNLOADING:
-        return reversal(row, data, lack) || data->shown.again;
+        return needs_motion_reversal(row, data, lack) || data->shown.again;
     case EFFECT_NEEDS_DEPTHS:
-        return depths(row, data, lack);
+        return needs_several_depths(row, data, lack);
     case EFFECT_NEEDS_NYQUIST:
-        return nyquist(row, data, lack);
+        return needs_sampling_rate(row, data, lack);
     case EFFECT_NEEDS_PERIODS:
-        return periods(row, data, lack);
+        return needs_several_periods(row, data, lack);
     case EFFECT_NEEDS_WITHDRAWAL:
         snprintf(lack, EFFECT_LACK_MAX, "no plate withdraws until the force is gone; needed: %s",
                  row->info.seen_by);

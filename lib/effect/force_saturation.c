@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void clip_at_sensor_range(const double *value, const effect_moment *at, double input, double input_old,
+                                 double output_old, effect_reading *out) {
     (void)at, (void)input_old, (void)output_old;
     out->force = input;
     if (!(value[0] > 0.0) || fabs(input) <= value[0])
@@ -15,7 +15,7 @@ static void sensor(const double *value, const effect_moment *at, double input, d
 }
 
 /* Below the largest force, as noise is added after saturation. */
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_saturation_start(const effect_data *data, effect_starts *out) {
     effect_start_at(out, data->peak - 3.0 * data->white, 0.0, 0.0);
     return PALP_OK;
 }
@@ -32,6 +32,6 @@ const effect_row effect_force_saturation = {
              .in_lumped = true,
              .in_network = true},
     .stage = 9,
-    .sensor = sensor,
+    .sensor = clip_at_sensor_range,
     .bends = true,
-    .starts = starts};
+    .starts = propose_saturation_start};

@@ -1,14 +1,14 @@
 /* frame_compliance.c: a frame that deforms under load. */
 #include "effect_internal.h"
 
-static void map(const double *value, const effect_press *at, effect_surface *out) {
+static void subtract_frame_deflection(const double *value, const effect_press *at, effect_surface *out) {
     out->depth = at->depth - value[0] * at->force;
     out->by_force = -value[0];
     out->by_value[0] = -at->force;
 }
 
 /* Runs on a rigid block measure the frame alone. */
-static bool read_frame(const effect_data *data, effect_read *out) {
+static bool read_frame_compliance(const effect_data *data, effect_read *out) {
     out->low = data->frame[0];
     out->high = data->frame[1];
     return data->frame[1] > 0.0;
@@ -28,6 +28,6 @@ const effect_row effect_frame_compliance = {
              .in_lumped = true,
              .in_network = true},
     .stage = 2,
-    .map = map,
+    .map = subtract_frame_deflection,
     .gives_way = true,
-    .read = read_frame};
+    .read = read_frame_compliance};

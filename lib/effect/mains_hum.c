@@ -6,8 +6,8 @@
 static const double TURN = 6.28318530717958647692;
 
 /* value: amplitude, frequency. */
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void add_mains_hum_force(const double *value, const effect_moment *at, double input, double input_old,
+                                double output_old, effect_reading *out) {
     (void)input_old, (void)output_old;
     double turn = TURN * at->time, angle = turn * value[1] + at->hum_phase;
     out->by_value[0] = sin(angle);
@@ -28,7 +28,7 @@ const effect_row effect_mains_hum = {
              .in_lumped = true,
              .in_network = true},
     .stage = 8,
-    .sensor = sensor,
+    .sensor = add_mains_hum_force,
     .line = true,
     .need = EFFECT_NEEDS_NYQUIST,
     .least = 3};

@@ -1,13 +1,13 @@
 /* permanent_set.c: a spring that does not return to its full length. */
 #include "effect_internal.h"
 
-static void history(const double *value, element_damage *damage,
-                    element_damage by_value[PALP_EFFECT_PARAMETERS]) {
+static void set_permanent_set(const double *value, element_damage *damage,
+                              element_damage by_value[PALP_EFFECT_PARAMETERS]) {
     damage->set = value[0];
     by_value[0].set = 1.0;
 }
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_permanent_sets(const effect_data *data, effect_starts *out) {
     (void)data;
     effect_start_at(out, 0.01, 0.0, 0.0);
     effect_start_at(out, 0.1, 0.0, 0.0);
@@ -25,7 +25,7 @@ const effect_row effect_permanent_set = {
              EFFECT_ALIKE(PALP_EFFECT_DAMAGE_SOFTENING, PALP_EFFECT_CONTACT_OFFSET),
              .in_lumped = true,
              .in_network = true},
-    .history = history,
-    .starts = starts,
+    .history = set_permanent_set,
+    .starts = propose_permanent_sets,
     .need = EFFECT_NEEDS_UNLOADING,
     .least = 0.1};

@@ -1,8 +1,8 @@
 /* plate_inertia.c: the plate's own mass. */
 #include "effect_internal.h"
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void add_plate_inertia_force(const double *value, const effect_moment *at, double input,
+                                    double input_old, double output_old, effect_reading *out) {
     (void)input_old, (void)output_old;
     out->by_value[0] = at->acceleration;
     out->force = input + value[0] * at->acceleration;
@@ -20,6 +20,6 @@ const effect_row effect_plate_inertia = {
              .in_lumped = true,
              .in_network = true},
     .stage = 3,
-    .sensor = sensor,
+    .sensor = add_plate_inertia_force,
     .need = EFFECT_NEEDS_RATES,
     .least = 1.5};

@@ -6,7 +6,7 @@
 static const double END =
     1e-6; /* smallest distance of the slip from both ends, where the foundation or its derivative diverges */
 
-static void foundation(const double *value, double at, effect_number *out) {
+static void lateral_stiffness_of_slip(const double *value, double at, effect_number *out) {
     double slip = fmax(value[0], END);
     (void)at;
     out->value = fmax((1.0 - slip) / slip, END);
@@ -14,7 +14,7 @@ static void foundation(const double *value, double at, effect_number *out) {
 }
 
 /* Does not start from full support, where the force hardly depends on slip. */
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_slip_starts(const effect_data *data, effect_starts *out) {
     (void)data;
     effect_start_at(out, 0.05, 0.0, 0.0);
     effect_start_at(out, 0.4, 0.0, 0.0);
@@ -31,5 +31,5 @@ const effect_row effect_plate_slip = {
              .parameter = {{"slip", 1, 0, 1, 0.5, .strength = true}},
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_GAIN, PALP_EFFECT_FRAME_COMPLIANCE),
              .in_network = true},
-    .foundation = foundation,
-    .starts = starts};
+    .foundation = lateral_stiffness_of_slip,
+    .starts = propose_slip_starts};

@@ -7,7 +7,7 @@ static const double PI = 3.14159265358979323846;
 
 /* Terms 1 / n^2 of odd n in [n, end) as one mode; returns its weight and the viscosity that determines its
  * rate. */
-static effect_mode group(int n, int end, double *weight, double *viscosity) {
+static effect_mode group_odd_series_terms(int n, int end, double *weight, double *viscosity) {
     double w = 0.0, v = 0.0;
     for (; n < end; n += 2) {
         w += 1.0 / ((double)n * n);
@@ -20,7 +20,7 @@ static effect_mode group(int n, int end, double *weight, double *viscosity) {
 
 /* value: stiffness, time. 8 / pi^2 sum over odd n of exp(-n^2 t / time) / n^2: first single terms, then
  * groups of increasing width, then all other terms. */
-static void spectrum(const double *value, const effect_range *range, effect_mode *mode) {
+static void find_poroelastic_modes(const double *value, const effect_range *range, effect_mode *mode) {
     enum { LAST = 1001 };
     const double whole = PI * PI / 8.0; /* sum of 1 / n^2 */
     const size_t alone = range->n / 3, groups = range->n - 1 - alone;
@@ -29,7 +29,7 @@ static void spectrum(const double *value, const effect_range *range, effect_mode
     for (size_t i = 0; i + 1 < range->n; i++) {
         double wider = pow((double)LAST / n, 1.0 / (double)(alone + groups - i));
         int end = i < alone ? n + 2 : (int)fmax(n + 2, wider * n) | 1;
-        mode[i] = group(n, end, &weight, &viscosity);
+        mode[i] = group_odd_series_terms(n, end, &weight, &viscosity);
         n = end;
     }
     mode[range->n - 1] = (effect_mode){.weight = weight, .rate = weight / viscosity};
@@ -40,7 +40,7 @@ static void spectrum(const double *value, const effect_range *range, effect_mode
     }
 }
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_drainage_times(const effect_data *data, effect_starts *out) {
     effect_start_times(out, data, 3.0, 8);
     return PALP_OK;
 }
@@ -58,7 +58,7 @@ const effect_row effect_poroelastic = {
              .in_lumped = true,
              .in_network = true},
     .stage = 2,
-    .spectrum = spectrum,
-    .starts = starts,
+    .spectrum = find_poroelastic_modes,
+    .starts = propose_drainage_times,
     .need = EFFECT_NEEDS_RATES,
     .least = 1.5};

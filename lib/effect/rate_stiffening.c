@@ -6,14 +6,14 @@
 static const double FIRST = 0.01; /* strain rate above which decades count if the file does not say, 1/s */
 
 /* value: stiffening per decade, strain rate above which decades count. */
-static void spring(const double *value, double rate, effect_number *out) {
+static void rate_stiffening_factor(const double *value, double rate, effect_number *out) {
     const double first = value[1] > 0.0 ? value[1] : FIRST, x = fabs(rate) / first;
     out->by_value[0] = log10(1.0 + x);
     out->by_value[1] = -value[0] * x / (first * (1.0 + x)) / log(10.0);
     out->value = 1.0 + value[0] * out->by_value[0];
 }
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_rate_starts(const effect_data *data, effect_starts *out) {
     static const double parts[] = {0.02, 0.3};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
         effect_start_at(out, 0.0, parts[k] * data->fastest / data->height, 0.0);
@@ -34,7 +34,7 @@ const effect_row effect_rate_stiffening = {
                           PALP_EFFECT_COULOMB_FRICTION),
              .in_lumped = true,
              .in_network = true},
-    .spring = spring,
-    .starts = starts,
+    .spring = rate_stiffening_factor,
+    .starts = propose_rate_starts,
     .need = EFFECT_NEEDS_RATES,
     .least = 1.5};

@@ -1,7 +1,7 @@
 /* relaxation_arm.c: an additional Maxwell arm. */
 #include "effect_internal.h"
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_relaxation_times(const effect_data *data, effect_starts *out) {
     effect_start_times(out, data, 1.0, 10);
     return PALP_OK;
 }
@@ -21,6 +21,6 @@ const effect_row effect_relaxation_arm = {
              .in_network = true,
              .repeats = true},
     .arm = true,
-    .starts = starts,
+    .starts = propose_relaxation_times,
     .need = EFFECT_NEEDS_RATES,
     .least = 1.5};

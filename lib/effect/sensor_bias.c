@@ -1,8 +1,8 @@
 /* sensor_bias.c: an error of the sensor's zero, equal in all runs. */
 #include "effect_internal.h"
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void add_sensor_bias_force(const double *value, const effect_moment *at, double input,
+                                  double input_old, double output_old, effect_reading *out) {
     (void)at, (void)input_old, (void)output_old;
     out->force = input + value[0];
     out->by_value[0] = 1.0;
@@ -20,5 +20,5 @@ const effect_row effect_sensor_bias = {
              .in_lumped = true,
              .in_network = true},
     .stage = 6,
-    .sensor = sensor,
+    .sensor = add_sensor_bias_force,
     .of_runs = true};

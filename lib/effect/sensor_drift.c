@@ -1,8 +1,8 @@
 /* sensor_drift.c: a zero of the sensor that drifts during a run. */
 #include "effect_internal.h"
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void add_sensor_drift_force(const double *value, const effect_moment *at, double input,
+                                   double input_old, double output_old, effect_reading *out) {
     (void)input_old, (void)output_old;
     out->force = input + value[0] * at->since;
     out->by_value[0] = at->since;
@@ -21,6 +21,6 @@ const effect_row effect_sensor_drift = {
              .in_lumped = true,
              .in_network = true},
     .stage = 7,
-    .sensor = sensor,
+    .sensor = add_sensor_drift_force,
     .need = EFFECT_NEEDS_RATES,
     .least = 1.5};

@@ -1,8 +1,8 @@
 /* sensor_gain.c: an error of the sensor's gain. */
 #include "effect_internal.h"
 
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void multiply_by_sensor_gain(const double *value, const effect_moment *at, double input,
+                                    double input_old, double output_old, effect_reading *out) {
     (void)at, (void)input_old, (void)output_old;
     out->by_input = 1.0 + value[0];
     out->force = input * out->by_input;
@@ -21,6 +21,6 @@ const effect_row effect_sensor_gain = {
              .in_lumped = true,
              .in_network = true},
     .stage = 1,
-    .sensor = sensor,
+    .sensor = multiply_by_sensor_gain,
     .of_runs = true,
     .need = EFFECT_NEEDS_WEIGHT};

@@ -4,8 +4,8 @@
 #include <math.h>
 
 /* T dy/dt + y = x, exact for x linear between the samples. */
-static void sensor(const double *value, const effect_moment *at, double input, double input_old,
-                   double output_old, effect_reading *out) {
+static void delay_by_sensor_lag(const double *value, const effect_moment *at, double input, double input_old,
+                                double output_old, effect_reading *out) {
     double decay, mean, late = output_old - input_old, rise = input - input_old;
     out->force = input;
     if (at->step == 0.0)
@@ -20,7 +20,7 @@ static void sensor(const double *value, const effect_moment *at, double input, d
                            : -rise / at->step;
 }
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_lag_times(const effect_data *data, effect_starts *out) {
     static const double samples[] = {0.3, 1.2, 5.0, 20.0};
     for (size_t k = 0; k < sizeof samples / sizeof *samples; k++)
         effect_start_at(out, samples[k] * data->step, 0.0, 0.0);
@@ -41,8 +41,8 @@ const effect_row effect_sensor_lag = {
              .in_lumped = true,
              .in_network = true},
     .stage = 5,
-    .sensor = sensor,
+    .sensor = delay_by_sensor_lag,
     .remembers = true,
-    .starts = starts,
+    .starts = propose_lag_times,
     .need = EFFECT_NEEDS_RATES,
     .least = 1.5};

@@ -1,7 +1,7 @@
 /* session_ageing.c: a specimen that becomes stiffer or softer during the session. */
 #include "effect_internal.h"
 
-static void specimen(const double *value, double session_s, effect_number *out) {
+static void ageing_factor_at_time(const double *value, double session_s, effect_number *out) {
     out->value = 1.0 + value[0] * session_s;
     out->by_value[0] = session_s;
 }
@@ -18,6 +18,6 @@ const effect_row effect_session_ageing = {
              EFFECT_ALIKE(PALP_EFFECT_SENSOR_GAIN, PALP_EFFECT_DAMAGE_SOFTENING),
              .in_lumped = true,
              .in_network = true},
-    .specimen = specimen,
+    .specimen = ageing_factor_at_time,
     .as_scatter = true,
     .of_runs = true};

@@ -1,7 +1,8 @@
 /* strain_dependent_arm.c: arms whose stiffness and time depend on strain. */
 #include "effect_internal.h"
 
-static void arms(const double *value, palp_arm *arm, effect_arm by_value[PALP_EFFECT_PARAMETERS]) {
+static void add_strain_dependence(const double *value, palp_arm *arm,
+                                  effect_arm by_value[PALP_EFFECT_PARAMETERS]) {
     arm->beta += value[0];
     arm->gamma += value[1];
     by_value[0].beta = 1.0;
@@ -20,6 +21,6 @@ const effect_row effect_strain_dependent_arm = {
              EFFECT_ALIKE(PALP_EFFECT_FRAME_COMPLIANCE, PALP_EFFECT_RATE_STIFFENING),
              .in_lumped = true,
              .in_network = true},
-    .arms = arms,
+    .arms = add_strain_dependence,
     .need = EFFECT_NEEDS_DEPTHS,
     .least = 1.1};

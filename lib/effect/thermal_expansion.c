@@ -3,7 +3,7 @@
 
 static const char COLUMN[] = "temperature_C";
 
-static void map(const double *value, const effect_press *at, effect_surface *out) {
+static void add_thermal_expansion(const double *value, const effect_press *at, effect_surface *out) {
     out->depth = at->depth + value[0] * at->change;
     out->by_change = value[0];
     out->by_value[0] = at->change;
@@ -23,5 +23,5 @@ const effect_row effect_thermal_expansion = {
              .in_network = true,
              .column = COLUMN},
     .stage = 1,
-    .map = map,
+    .map = add_thermal_expansion,
     .need = EFFECT_NEEDS_COLUMN};

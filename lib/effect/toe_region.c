@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* depth - l (1 - exp(-depth / l)): the share of the surface that touches grows as 1 - exp(-depth / l). */
-static void map(const double *value, const effect_press *at, effect_surface *out) {
+static void reduce_depth_by_toe_region(const double *value, const effect_press *at, effect_surface *out) {
     const double depth = at->depth;
     if (depth <= 0.0)
         return;
@@ -16,7 +16,7 @@ static void map(const double *value, const effect_press *at, effect_surface *out
     out->by_value[0] = -missing + (rest > 0.0 ? x * rest : 0.0);
 }
 
-static palp_status starts(const effect_data *data, effect_starts *out) {
+static palp_status propose_toe_lengths(const effect_data *data, effect_starts *out) {
     static const double parts[] = {0.01, 0.04, 0.15};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
         effect_start_at(out, parts[k] * data->deepest, 0.0, 0.0);
@@ -35,5 +35,5 @@ const effect_row effect_toe_region = {
              .in_lumped = true,
              .in_network = true},
     .stage = 3,
-    .map = map,
-    .starts = starts};
+    .map = reduce_depth_by_toe_region,
+    .starts = propose_toe_lengths};

@@ -10,12 +10,12 @@ static const double PI = 3.14159265358979323846;
 
 /* Stress of a Maxwell arm, z(t) - z(t - c) of Eq. 3.50 as one product: its value at the end of the ramp, and
  * the decay since. The thesis' exp(c / tau) would overflow for a long ramp. */
-static double arm_ramp_hold(palp_spring_dashpot arm, double rate, double ramp_s, double t) {
+static double arm_stress_on_ramp_hold(palp_spring_dashpot arm, double rate, double ramp_s, double t) {
     double ramped = fmin(t, ramp_s), tau = arm.viscosity_Pa_s / arm.modulus_Pa;
     return -rate * arm.viscosity_Pa_s * expm1(-ramped / tau) * exp(-(t - ramped) / tau);
 }
 
-static double arm_relaxation(palp_spring_dashpot arm, double strain, double t) {
+static double arm_stress_after_step(palp_spring_dashpot arm, double strain, double t) {
     return strain * arm.modulus_Pa * exp(-t * arm.modulus_Pa / arm.viscosity_Pa_s);
 }
 
@@ -26,7 +26,7 @@ double palp_maxwell_creep(palp_spring_dashpot model, double stress_Pa, double t)
 
 /* Eq. 3.21 */
 double palp_maxwell_relaxation(palp_spring_dashpot model, double strain, double t) {
-    return t < 0.0 ? 0.0 : arm_relaxation(model, strain, t);
+    return t < 0.0 ? 0.0 : arm_stress_after_step(model, strain, t);
 }
 
 /* Eq. 3.23 */
@@ -36,7 +36,7 @@ double palp_maxwell_ramp(palp_spring_dashpot model, double rate_1_s, double t) {
 
 /* Eq. 3.25 */
 double palp_maxwell_ramp_hold(palp_spring_dashpot model, double rate_1_s, double ramp_s, double t) {
-    return t < 0.0 ? 0.0 : arm_ramp_hold(model, rate_1_s, ramp_s, t);
+    return t < 0.0 ? 0.0 : arm_stress_on_ramp_hold(model, rate_1_s, ramp_s, t);
 }
 
 /* Eq. 3.28 */
@@ -80,7 +80,7 @@ double palp_maxwell_solid_creep(double spring_Pa, palp_spring_dashpot arm, doubl
 
 /* Eq. 3.45 */
 double palp_maxwell_solid_relaxation(double spring_Pa, palp_spring_dashpot arm, double strain, double t) {
-    return t < 0.0 ? 0.0 : spring_Pa * strain + arm_relaxation(arm, strain, t);
+    return t < 0.0 ? 0.0 : spring_Pa * strain + arm_stress_after_step(arm, strain, t);
 }
 
 /* Eq. 3.48 */
@@ -93,7 +93,7 @@ double palp_maxwell_solid_ramp_hold(double spring_Pa, palp_spring_dashpot arm, d
                                     double t) {
     if (t < 0.0)
         return 0.0;
-    return spring_Pa * rate_1_s * fmin(t, ramp_s) + arm_ramp_hold(arm, rate_1_s, ramp_s, t);
+    return spring_Pa * rate_1_s * fmin(t, ramp_s) + arm_stress_on_ramp_hold(arm, rate_1_s, ramp_s, t);
 }
 
 /* Eq. 3.54 */
@@ -104,7 +104,7 @@ double palp_generalized_maxwell_relaxation(const palp_generalized_maxwell *model
         return 0.0;
     double stress = model->spring_Pa * strain;
     for (size_t j = 0; j < model->n_arms; j++)
-        stress += arm_relaxation(model->arms[j], strain, t);
+        stress += arm_stress_after_step(model->arms[j], strain, t);
     return stress;
 }
 
@@ -122,7 +122,7 @@ double palp_generalized_maxwell_ramp_hold(const palp_generalized_maxwell *model,
         return 0.0;
     double stress = model->spring_Pa * rate_1_s * fmin(t, ramp_s);
     for (size_t j = 0; j < model->n_arms; j++)
-        stress += arm_ramp_hold(model->arms[j], rate_1_s, ramp_s, t);
+        stress += arm_stress_on_ramp_hold(model->arms[j], rate_1_s, ramp_s, t);
     return stress;
 }
 
@@ -132,7 +132,7 @@ typedef struct spectrum_arms {
     double modulus[PALP_ARMS_MAX], rate[PALP_ARMS_MAX];
 } spectrum_arms;
 
-static palp_status check_solid(const palp_generalized_maxwell *model) {
+static palp_status check_maxwell_solid(const palp_generalized_maxwell *model) {
     if (model->n_arms > PALP_ARMS_MAX)
         return PALP_ERR_LIMIT;
     if (!(model->spring_Pa >= 0.0) || !isfinite(model->spring_Pa))
@@ -145,7 +145,7 @@ static palp_status check_solid(const palp_generalized_maxwell *model) {
     return model->spring_Pa > 0.0 || model->n_arms > 0 ? PALP_OK : PALP_ERR_ARGUMENT;
 }
 
-static void insert_arm(spectrum_arms *arms, double modulus, double rate) {
+static void insert_arm_by_rate(spectrum_arms *arms, double modulus, double rate) {
     size_t i = 0;
     while (i < arms->n && arms->rate[i] < rate * (1.0 - 8.0 * DBL_EPSILON))
         i++;
@@ -162,7 +162,7 @@ static void insert_arm(spectrum_arms *arms, double modulus, double rate) {
 }
 
 /* The zero p of sum_j E_j p / (r_j - p) - E_inf, which rises on low < p < high, to the last bit. */
-static double find_zero(const spectrum_arms *arms, double spring, double low, double high) {
+static double find_retardation_rate(const spectrum_arms *arms, double spring, double low, double high) {
     for (;;) {
         double p = low + 0.5 * (high - low), sum = -spring;
         if (p <= low || p >= high)
@@ -176,7 +176,7 @@ static double find_zero(const spectrum_arms *arms, double spring, double low, do
     }
 }
 
-static void add_retardation(palp_retardation *spectrum, const spectrum_arms *arms, double p) {
+static void add_retardation_element(palp_retardation *spectrum, const spectrum_arms *arms, double p) {
     double sum = 0.0;
     for (size_t j = 0; j < arms->n; j++) {
         double gap = arms->rate[j] - p;
@@ -189,14 +189,14 @@ static void add_retardation(palp_retardation *spectrum, const spectrum_arms *arm
 palp_status palp_retardation_spectrum(const palp_generalized_maxwell *model, palp_retardation *spectrum) {
     if (!model || !spectrum)
         return PALP_ERR_ARGUMENT;
-    palp_status status = check_solid(model);
+    palp_status status = check_maxwell_solid(model);
     if (status != PALP_OK)
         return status;
     spectrum_arms arms = {0};
     double total = 0.0, viscosity = 0.0;
     for (size_t j = 0; j < model->n_arms; j++) {
         const palp_spring_dashpot *arm = &model->arms[j];
-        insert_arm(&arms, arm->modulus_Pa, arm->modulus_Pa / arm->viscosity_Pa_s);
+        insert_arm_by_rate(&arms, arm->modulus_Pa, arm->modulus_Pa / arm->viscosity_Pa_s);
         total += arm->modulus_Pa;
         viscosity += arm->viscosity_Pa_s;
     }
@@ -207,7 +207,7 @@ palp_status palp_retardation_spectrum(const palp_generalized_maxwell *model, pal
     /* p_1 >= r_1 E_inf / (E_inf + sum E_j), with equality for one arm */
     for (size_t k = spring == 0.0 ? 1 : 0; k < arms.n; k++) {
         double low = k ? arms.rate[k - 1] : 0.5 * arms.rate[0] * spring / (spring + total);
-        add_retardation(spectrum, &arms, find_zero(&arms, spring, low, arms.rate[k]));
+        add_retardation_element(spectrum, &arms, find_retardation_rate(&arms, spring, low, arms.rate[k]));
     }
     return PALP_OK;
 }
@@ -226,7 +226,7 @@ double palp_generalized_maxwell_creep(const palp_retardation *spectrum, double s
 
 /* q_j of Eq. 4.7 for ramp and hold, with the beta term of E_j(strain) in Eq. 3.79. A drive K_j (1 + beta |A|
  * t) A reaches K_j A (tau g + beta |A| (tau t - tau^2 g)) at t, with g = 1 - exp(-t/tau). */
-static double lumped_arm(const palp_arm *arm, double strain, double ramp_s, double t) {
+static double lumped_arm_force_at(const palp_arm *arm, double strain, double ramp_s, double t) {
     double k = arm->stiffness_N, tau = arm->viscosity_Ns / k;
     if (ramp_s == 0.0)
         return k * strain * (1.0 + 0.5 * arm->beta * fabs(strain)) * exp(-t / tau);
@@ -235,13 +235,13 @@ static double lumped_arm(const palp_arm *arm, double strain, double ramp_s, doub
     return k * rate * gained * exp(-(t - ramped) / tau);
 }
 
-static double lumped_at(const palp_material *material, double strain, double ramp_s, double t) {
+static double lumped_force_at_time(const palp_material *material, double strain, double ramp_s, double t) {
     if (t < 0.0)
         return 0.0;
     double e = t < ramp_s ? strain * (t / ramp_s) : strain, force;
     palp_law_force(&material->law, 1, &e, &force, NULL, NULL);
     for (size_t j = 0; j < material->n_arms; j++)
-        force += lumped_arm(&material->arms[j], strain, ramp_s, t);
+        force += lumped_arm_force_at(&material->arms[j], strain, ramp_s, t);
     if (material->dashpot_Ns > 0.0 && t <= ramp_s)
         force += material->dashpot_Ns * strain / ramp_s;
     return force;
@@ -264,7 +264,7 @@ palp_status palp_lumped_ramp_hold(const palp_material *material, double strain, 
         (ramp_s == 0.0 && material->dashpot_Ns > 0.0))
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++)
-        force_N[i] = lumped_at(material, strain, ramp_s, time_s[i]);
+        force_N[i] = lumped_force_at_time(material, strain, ramp_s, time_s[i]);
     return PALP_OK;
 }
 

@@ -48,8 +48,9 @@ const element_step *element_steps_of(const palp_material *material, double dt, e
 
 /* Eq. 5.11: A = (K e + b1 (1 + K/K1) (e - e_old) / dt) / (1 + b1 / (K1 dt)), and dA/de. K and dK/de follow
  * from the law's force K e and tangent K + e dK/de; near e = 0 dK/de comes from the law. */
-static void sedef_trial(const palp_material *material, const element_step *step, size_t n, const double *e,
-                        const element_history *old, double *force, double *tangent) {
+static void evaluate_sedef_trial(const palp_material *material, const element_step *step, size_t n,
+                                 const double *e, const element_history *old, double *force,
+                                 double *tangent) {
     const palp_arm *arm = &material->arms[0];
     const double rate = arm->viscosity_Ns / step->dt, compliance = 1.0 / arm->stiffness_N;
     const double share = 1.0 / (1.0 + rate * compliance);
@@ -78,9 +79,9 @@ element_drive element_arm_drive(const palp_material *material, size_t arm, doubl
 
 /* q = decay q_old + gain (e - e_old): an arm without strain dependence. */
 PALP_CLONES
-static void linear_arm(double decay, double gain, size_t n, const double *restrict e,
-                       const double *restrict e_old, const double *restrict q_old, double *restrict q,
-                       double *restrict force, double *restrict tangent) {
+static void advance_linear_arm(double decay, double gain, size_t n, const double *restrict e,
+                               const double *restrict e_old, const double *restrict q_old, double *restrict q,
+                               double *restrict force, double *restrict tangent) {
     for (size_t i = 0; i < n; i++) {
         q[i] = decay * q_old[i] + gain * (e[i] - e_old[i]);
         force[i] += q[i];
@@ -89,16 +90,16 @@ static void linear_arm(double decay, double gain, size_t n, const double *restri
 }
 
 /* The drive of an arm at the start of the step. */
-static element_drive old_drive(const palp_material *material, size_t arm, const element_history *old,
-                               size_t i) {
+static element_drive arm_drive_at_step_start(const palp_material *material, size_t arm,
+                                             const element_history *old, size_t i) {
     return element_arm_drive(material, arm, old->strain[i], material->quasi_linear ? old->elastic[i] : 0.0,
                              0.0, 0.0);
 }
 
 /* The same with a drive s(e), and with tau (1 + gamma |e|) at the mean of old and new strain. */
-static void nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t n,
-                          const double *e, const element_history *old, element_history *new, double *force,
-                          double *tangent) {
+static void advance_nonlinear_arm(const palp_material *material, const element_step *step, size_t j, size_t n,
+                                  const double *e, const element_history *old, element_history *new,
+                                  double *force, double *tangent) {
     const palp_arm *arm = &material->arms[j];
     const double *q_old = old->arm + j * old->stride;
     double *q = new->arm + j *new->stride, tau = arm->viscosity_Ns / arm->stiffness_N;
@@ -107,7 +108,7 @@ static void nonlinear_arm(const palp_material *material, const element_step *ste
         if (material->quasi_linear)
             palp_law_force(&material->law, 1, &e[i], &(double){0}, &slope, NULL);
         element_drive s = element_arm_drive(material, j, e[i], elastic, slope, 0.0);
-        element_drive s_old = old_drive(material, j, old, i);
+        element_drive s_old = arm_drive_at_step_start(material, j, old, i);
         double ds = s.value - s_old.value, decay = step->decay[j], gain = step->gain[j], turn = 0.0;
         if (arm->gamma != 0.0) {
             double stretch = 1.0 + 0.5 * arm->gamma * (fabs(e[i]) + fabs(old->strain[i]));
@@ -153,16 +154,16 @@ void element_trial(const palp_material *material, const element_step *step, size
     if (step->damage || step->rate_factor != 1.0)
         change_springs(material, step, n, e, old, new, force, tangent);
     if (material->formulation == PALP_SEDEF2008 && material->n_arms > 0) {
-        sedef_trial(material, step, n, e, old, force, tangent);
+        evaluate_sedef_trial(material, step, n, e, old, force, tangent);
         return;
     }
     for (size_t j = 0; j < material->n_arms; j++) {
         const palp_arm *arm = &material->arms[j];
         if (material->quasi_linear || arm->beta != 0.0 || arm->gamma != 0.0)
-            nonlinear_arm(material, step, j, n, e, old, new, force, tangent);
+            advance_nonlinear_arm(material, step, j, n, e, old, new, force, tangent);
         else
-            linear_arm(step->decay[j], step->gain[j], n, e, old->strain, old->arm + j * old->stride,
-                       new->arm + j *new->stride, force, tangent);
+            advance_linear_arm(step->decay[j], step->gain[j], n, e, old->strain, old->arm + j * old->stride,
+                               new->arm + j *new->stride, force, tangent);
     }
     if (step->dashpot > 0.0)
         for (size_t i = 0; i < n; i++) {
@@ -185,7 +186,7 @@ bool element_energy(const palp_material *material, const element_step *step, siz
         energy[i] += 0.5 * step->dashpot * de * de;
         for (size_t j = 0; j < material->n_arms; j++) {
             element_drive s = element_arm_drive(material, j, e[i], work[i], 0.0, law);
-            element_drive s_old = old_drive(material, j, old, i);
+            element_drive s_old = arm_drive_at_step_start(material, j, old, i);
             energy[i] += step->decay[j] * old->arm[j * old->stride + i] * e[i] +
                          step->gain[j] * (s.integral - s_old.value * e[i]);
         }
@@ -214,7 +215,7 @@ static void constant_partials(const palp_arm *arm, double dt, double decay, doub
     }
 }
 
-static element_drive drive_at(const palp_material *material, size_t j, double e) {
+static element_drive arm_drive_at_strain(const palp_material *material, size_t j, double e) {
     double elastic, tangent;
     palp_law_force(&material->law, 1, &e, &elastic, &tangent, NULL);
     return element_arm_drive(material, j, e, elastic, tangent, 0.0);
@@ -230,7 +231,8 @@ void element_arm_partials(const palp_material *material, const element_step *ste
     for (size_t i = 0; i < n; i++) {
         double decay, mean, stretch = 1.0 + 0.5 * arm->gamma * (fabs(e[i]) + fabs(e_old[i]));
         double x = step->dt * arm->stiffness_N / (arm->viscosity_Ns * stretch);
-        element_drive s = drive_at(material, j, e[i]), s_old = drive_at(material, j, e_old[i]);
+        element_drive s = arm_drive_at_strain(material, j, e[i]),
+                      s_old = arm_drive_at_strain(material, j, e_old[i]);
         double ds = s.value - s_old.value, turn = 0.5 * arm->gamma / stretch;
         element_decay(x, &decay, &mean);
         double slope = element_mean_slope(x, decay, mean), gain = arm->stiffness_N * mean;

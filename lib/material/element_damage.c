@@ -5,8 +5,8 @@
 #include <math.h>
 
 /* Strain in a spring's law below its peak, and its derivatives. */
-static void set_strain(const element_damage *damage, double e, double peak, element_damaged *out,
-                       double *by_strain, double *by_peak) {
+static void strain_after_permanent_set(const element_damage *damage, double e, double peak,
+                                       element_damaged *out, double *by_strain, double *by_peak) {
     double rest = 1.0 - damage->set, seen = (fabs(e) - damage->set * peak) / rest,
            sign = e < 0.0 ? -1.0 : 1.0;
     if (seen < damage->slack * fabs(e)) {
@@ -30,7 +30,7 @@ void element_damage_force(const palp_law *law, const element_damage *damage, dou
         palp_law_force(law, 1, &e, &out->force, &out->by_strain, NULL);
         return;
     }
-    set_strain(damage, e, peak, out, &by_strain, &by_peak);
+    strain_after_permanent_set(damage, e, peak, out, &by_strain, &by_peak);
     palp_law_force(law, 1, &out->inner, &law_force, &tangent, &energy);
     double ratio = (1.0 - energy / peak_energy) / damage->sharpness;
     double steep = slope_of_erf * exp(-ratio * ratio) / (damage->sharpness * peak_energy);

@@ -43,7 +43,7 @@ bool palp_tip_find(const char *name, palp_tip_kind *kind) {
 /* ---- the layer ---- */
 
 /* Gauss' rule on 0 to 1. */
-static void gauss(size_t n, double *x, double *w) {
+static void gauss_legendre_rule(size_t n, double *x, double *w) {
     for (size_t i = 0; i < n; i++) {
         double z = cos(PI * ((double)i + 0.75) / ((double)n + 0.5)), slope = 1;
         for (int again = 0; again < 8; again++) {
@@ -62,7 +62,7 @@ static void gauss(size_t n, double *x, double *w) {
 }
 
 /* M at a wave number times h: 1 - compliance of the layer over that of the half-space. */
-static double softness(double u, double poisson, bool slides) {
+static double layer_softness_kernel(double u, double poisson, bool slides) {
     double kappa = 3.0 - 4.0 * poisson, e2 = exp(-2.0 * u), e4 = e2 * e2;
     if (slides)
         return (2.0 * e2 * (1.0 + 2.0 * u) - 2.0 * e4) / (1.0 - e4 + 4.0 * u * e2);
@@ -79,18 +79,19 @@ typedef struct layer {
     double solution[2 * NODES]; /* for a depth of 1, and for the profile */
 } layer;
 
-static void layer_set(layer *l, const palp_indentation *in) {
+static void prepare_layer_quadrature(layer *l, const palp_indentation *in) {
     double x[PANEL_NODES], w[PANEL_NODES], width = WAVE_MAX / PANELS;
-    gauss(NODES, l->x, l->w);
-    gauss(PANEL_NODES, x, w);
+    gauss_legendre_rule(NODES, l->x, l->w);
+    gauss_legendre_rule(PANEL_NODES, x, w);
     for (size_t q = 0; q < WAVES; q++) {
         l->wave[q] = width * ((double)(q / PANEL_NODES) + x[q % PANEL_NODES]);
-        l->weight[q] = width * w[q % PANEL_NODES] * softness(l->wave[q], in->poisson, in->floor_slides);
+        l->weight[q] =
+            width * w[q % PANEL_NODES] * layer_softness_kernel(l->wave[q], in->poisson, in->floor_slides);
     }
 }
 
 /* g(t) of the tip's profile. */
-static double profile(const palp_indentation *in, double t) {
+static double tip_profile_transform(const palp_indentation *in, double t) {
     if (in->tip == PALP_TIP_SPHERE)
         return t * atanh(t / in->radius_m);
     return in->tip == PALP_TIP_CONE ? 0.5 * PI * t / tan(in->half_angle_rad) : 0.0;
@@ -99,7 +100,7 @@ static double profile(const palp_indentation *in, double t) {
 /* Cholesky factor of the system for a contact of a / h = ratio. The kernel is a product of cosines, each
  * with the root of its weight, which is not negative. Unknowns are multiplied by the roots of their
  * weights too. */
-static bool factor(layer *l, double ratio) {
+static bool factor_contact_kernel(layer *l, double ratio) {
     for (size_t i = 0; i <= NODES; i++)
         for (size_t q = 0; q < WAVES; q++)
             l->cosine[i * WAVES + q] =
@@ -120,15 +121,16 @@ typedef struct contact {
     double depth_m, force_m2, slope_m;
 } contact;
 
-static palp_status solve(layer *l, const palp_indentation *in, double a, contact *c) {
-    double *one = l->solution, *shape = one + NODES, sum[2] = {0, 0}, edge[2] = {1.0, profile(in, a)};
+static palp_status solve_contact_of_radius(layer *l, const palp_indentation *in, double a, contact *c) {
+    double *one = l->solution, *shape = one + NODES, sum[2] = {0, 0},
+           edge[2] = {1.0, tip_profile_transform(in, a)};
     if (!(a / in->thickness_m <= PALP_INDENTATION_WIDEST))
         return PALP_ERR_LIMIT;
-    if (!factor(l, a / in->thickness_m))
+    if (!factor_contact_kernel(l, a / in->thickness_m))
         return PALP_ERR_SINGULAR;
     for (size_t i = 0; i < NODES; i++) {
         one[i] = sqrt(l->w[i]);
-        shape[i] = sqrt(l->w[i]) * profile(in, a * l->x[i]);
+        shape[i] = sqrt(l->w[i]) * tip_profile_transform(in, a * l->x[i]);
     }
     dense_cholesky_solve(NODES, l->system, 2, l->solution);
     for (size_t i = 0; i < 2 * NODES; i++) {
@@ -146,20 +148,21 @@ static palp_status solve(layer *l, const palp_indentation *in, double a, contact
 /* ---- curved tips: force by depth ---- */
 
 /* A contact radius whose depth is depth_m or a little more. */
-static palp_status widest(layer *l, const palp_indentation *in, double depth_m, double *a) {
+static palp_status find_widest_contact_radius(layer *l, const palp_indentation *in, double depth_m,
+                                              double *a) {
     contact c = {0, 0, 0};
     double limit = in->tip == PALP_TIP_SPHERE ? in->radius_m : HUGE_VAL;
     palp_status status = PALP_OK;
     *a = in->tip == PALP_TIP_SPHERE ? sqrt(in->radius_m * depth_m)
                                     : 2.0 / PI * depth_m * tan(in->half_angle_rad);
     *a = *a < 0.9 * limit ? *a : 0.9 * limit;
-    while (!status && !((status = solve(l, in, *a, &c)) || c.depth_m >= depth_m))
+    while (!status && !((status = solve_contact_of_radius(l, in, *a, &c)) || c.depth_m >= depth_m))
         *a = 1.05 * *a < limit ? 1.05 * *a : 0.5 * (*a + limit);
     return status;
 }
 
 /* The last point of the curve at or before a depth. */
-static size_t find(const contact *c, double depth_m) {
+static size_t find_curve_interval(const contact *c, double depth_m) {
     size_t low = 0, high = CURVE;
     while (high - low > 1) {
         size_t middle = (low + high) / 2;
@@ -172,36 +175,37 @@ static size_t find(const contact *c, double depth_m) {
 }
 
 /* Hermite's cubic between two points; below the first point the half-space's power of depth. */
-static double between(const contact *c, double depth_m, double power) {
+static double interpolate_contact_curve(const contact *c, double depth_m, double power) {
     if (depth_m <= c[0].depth_m)
         return c[0].force_m2 * pow(depth_m / c[0].depth_m, power);
-    size_t i = find(c, depth_m);
+    size_t i = find_curve_interval(c, depth_m);
     double step = c[i + 1].depth_m - c[i].depth_m, s = (depth_m - c[i].depth_m) / step, r = 1.0 - s;
     return r * r * ((1.0 + 2.0 * s) * c[i].force_m2 + s * step * c[i].slope_m) +
            s * s * ((1.0 + 2.0 * r) * c[i + 1].force_m2 - r * step * c[i + 1].slope_m);
 }
 
-static palp_status curved(layer *l, const palp_indentation *in, size_t n, const double *depth_m,
-                          double *force_m2) {
+static palp_status force_of_curved_tip(layer *l, const palp_indentation *in, size_t n, const double *depth_m,
+                                       double *force_m2) {
     contact c[CURVE + 1];
     double deepest = 0, a = 0;
     for (size_t i = 0; i < n; i++)
         deepest = fmax(deepest, depth_m[i]);
-    palp_status status = deepest > 0 ? widest(l, in, deepest, &a) : PALP_OK;
+    palp_status status = deepest > 0 ? find_widest_contact_radius(l, in, deepest, &a) : PALP_OK;
     for (size_t i = 0; deepest > 0 && !status && i <= CURVE; i++) {
         double part = ((double)i + 1.0) / (CURVE + 1.0);
-        status = solve(l, in, a * part * part, &c[i]);
+        status = solve_contact_of_radius(l, in, a * part * part, &c[i]);
     }
     for (size_t i = 0; !status && i < n; i++)
-        force_m2[i] = depth_m[i] > 0 ? indentation_factor(in, depth_m[i]) *
-                                           between(c, depth_m[i], in->tip == PALP_TIP_CONE ? 2.0 : 1.5)
-                                     : 0.0;
+        force_m2[i] = depth_m[i] > 0
+                          ? indentation_factor(in, depth_m[i]) *
+                                interpolate_contact_curve(c, depth_m[i], in->tip == PALP_TIP_CONE ? 2.0 : 1.5)
+                          : 0.0;
     return status;
 }
 
 /* ---- any tip ---- */
 
-static bool valid(const palp_indentation *in) {
+static bool is_indentation_valid(const palp_indentation *in) {
     if (!in || !palp_tip_name(in->tip) || !(in->thickness_m > 0) || !(in->poisson > -1.0) ||
         !(in->poisson <= 0.5))
         return false;
@@ -214,20 +218,20 @@ static bool valid(const palp_indentation *in) {
 }
 
 /* Force over depth of a plate or of a flat punch. */
-static palp_status straight(layer *l, const palp_indentation *in, double *slope_m) {
+static palp_status stiffness_of_flat_tip(layer *l, const palp_indentation *in, double *slope_m) {
     contact c = {0, 0, 0};
     palp_status status = PALP_OK;
     if (in->tip == PALP_TIP_PLATE)
         c.slope_m = 2.0 * (1.0 + in->poisson) * PI * in->radius_m * in->radius_m / in->thickness_m;
     else
-        status = solve(l, in, in->radius_m, &c);
+        status = solve_contact_of_radius(l, in, in->radius_m, &c);
     *slope_m = c.slope_m;
     return status;
 }
 
 palp_status palp_indentation_force(const palp_indentation *in, size_t n, const double *depth_m,
                                    double *force_m2) {
-    bool fine = valid(in) && (n == 0 || (depth_m && force_m2));
+    bool fine = is_indentation_valid(in) && (n == 0 || (depth_m && force_m2));
     for (size_t i = 0; fine && i < n; i++)
         fine = isfinite(depth_m[i]);
     if (!fine)
@@ -241,11 +245,11 @@ palp_status palp_indentation_force(const palp_indentation *in, size_t n, const d
         return status;
     if (!l)
         return PALP_ERR_NO_MEMORY;
-    layer_set(l, in);
+    prepare_layer_quadrature(l, in);
     double slope = 0;
     if (in->tip == PALP_TIP_SPHERE || in->tip == PALP_TIP_CONE)
-        status = curved(l, in, n, depth_m, force_m2);
-    else if (!(status = straight(l, in, &slope)))
+        status = force_of_curved_tip(l, in, n, depth_m, force_m2);
+    else if (!(status = stiffness_of_flat_tip(l, in, &slope)))
         for (size_t i = 0; i < n; i++)
             force_m2[i] = depth_m[i] > 0 ? slope * indentation_factor(in, depth_m[i]) * depth_m[i] : 0.0;
     free(l);
@@ -253,7 +257,7 @@ palp_status palp_indentation_force(const palp_indentation *in, size_t n, const d
 }
 
 palp_status palp_indentation_contact(const palp_indentation *in, double depth_m, double *contact_m) {
-    if (!valid(in) || !isfinite(depth_m) || !contact_m)
+    if (!is_indentation_valid(in) || !isfinite(depth_m) || !contact_m)
         return PALP_ERR_ARGUMENT;
     *contact_m = depth_m > 0 ? in->radius_m : 0.0;
     if (depth_m <= 0 || in->tip == PALP_TIP_PLATE || in->tip == PALP_TIP_FLAT)
@@ -261,13 +265,13 @@ palp_status palp_indentation_contact(const palp_indentation *in, double depth_m,
     layer *l = malloc(sizeof *l);
     if (!l)
         return PALP_ERR_NO_MEMORY;
-    layer_set(l, in);
+    prepare_layer_quadrature(l, in);
     double high = 0, low = 0;
     contact c = {0, 0, 0};
-    palp_status status = widest(l, in, depth_m, &high);
+    palp_status status = find_widest_contact_radius(l, in, depth_m, &high);
     for (int i = 0; !status && i < 40; i++) {
         double middle = 0.5 * (low + high);
-        status = solve(l, in, middle, &c);
+        status = solve_contact_of_radius(l, in, middle, &c);
         *(c.depth_m < depth_m ? &low : &high) = middle;
     }
     *contact_m = high;

@@ -6,7 +6,7 @@
 #include <math.h>
 
 /* The polynomial through n points at x; n is small. */
-static double through(size_t n, const double *at, const double *value, double x) {
+static double interpolate_polynomial_at(size_t n, const double *at, const double *value, double x) {
     double sum = 0;
     for (size_t i = 0; i < n; i++) {
         double weight = value[i];
@@ -18,7 +18,7 @@ static double through(size_t n, const double *at, const double *value, double x)
 }
 
 /* Linear interpolation of compliance between Poisson's ratios; below the first one, its value. */
-static size_t interval_of(double poisson, double *part) {
+static size_t find_poisson_interval(double poisson, double *part) {
     size_t i = 0;
     while (i + 2 < TABLE_NU && poisson >= table_nu[i + 1])
         i++;
@@ -26,28 +26,28 @@ static size_t interval_of(double poisson, double *part) {
     return i;
 }
 
-static double by_ratio(const double value[TABLE_RATIO], double ratio) {
+static double interpolate_over_ratio(const double value[TABLE_RATIO], double ratio) {
     double at[TABLE_RATIO];
     for (size_t i = 0; i < TABLE_RATIO; i++)
         at[i] = log(table_ratio[i]);
-    return through(TABLE_RATIO, at, value, log(ratio));
+    return interpolate_polynomial_at(TABLE_RATIO, at, value, log(ratio));
 }
 
 /* Factor of a flat punch at a depth, given as a share of the table's largest. */
-static double large(size_t nu, double ratio, double part) {
+static double large_depth_factor(size_t nu, double ratio, double part) {
     double at[TABLE_DEPTH + 1] = {0}, value[TABLE_DEPTH + 1] = {1}, row[TABLE_RATIO];
     for (size_t i = 0; i < TABLE_RATIO; i++) {
         for (size_t k = 1; k <= TABLE_DEPTH; k++) {
             at[k] = (double)k / TABLE_DEPTH;
             value[k] = table_large[nu][i][k - 1];
         }
-        row[i] = through(TABLE_DEPTH + 1, at, value, part);
+        row[i] = interpolate_polynomial_at(TABLE_DEPTH + 1, at, value, part);
     }
-    return by_ratio(row, ratio);
+    return interpolate_over_ratio(row, ratio);
 }
 
 /* The largest depth of a tip that the fits cover. */
-static double deepest_of(const palp_indentation *in) {
+static double deepest_tabulated_press(const palp_indentation *in) {
     if (in->tip == PALP_TIP_SPHERE)
         return SPHERE_DEPTH * in->radius_m * in->thickness_m /
                (in->radius_m + SPHERE_SHARE * in->thickness_m);
@@ -58,8 +58,8 @@ static double deepest_of(const palp_indentation *in) {
 /* For a sphere or cone the factor is so near to 1 that a few terms fit it; data/tips/make_tables.py has the
  * same terms. */
 static double large_curved(const palp_indentation *in, double depth_m) {
-    double p = fmax(depth_m, 0.0) / deepest_of(in), n = 10.0 * (fmax(in->poisson, table_nu[0]) - 0.4),
-           sum = 1.0;
+    double p = fmax(depth_m, 0.0) / deepest_tabulated_press(in),
+           n = 10.0 * (fmax(in->poisson, table_nu[0]) - 0.4), sum = 1.0;
     if (in->tip == PALP_TIP_SPHERE) {
         double x = log(in->radius_m / in->thickness_m), s = sqrt(p),
                term[LARGE_TERMS] = {s, s * n, s * n * n, s * x, s * x * n, p, p * n, p * x, p * x * n};
@@ -76,7 +76,7 @@ static double large_curved(const palp_indentation *in, double depth_m) {
 
 /* Factor of a flat punch on a specimen of finite width, by the punch's share of its radius (0: wide layer).
  * Interpolates the four nearest points. */
-static double wide(size_t nu, double ratio, double share) {
+static double specimen_radius_factor(size_t nu, double ratio, double share) {
     double at[TABLE_AROUND + 1] = {0}, row[TABLE_RATIO];
     for (size_t k = 0; k < TABLE_AROUND; k++)
         at[k] = 1.0 / table_around[k];
@@ -88,39 +88,39 @@ static double wide(size_t nu, double ratio, double share) {
         for (size_t k = 0; k < TABLE_AROUND; k++)
             value[k] = table_wide[nu][i][k];
         value[TABLE_AROUND] = 1.0;
-        row[i] = through(4, at + first, value + first, share);
+        row[i] = interpolate_polynomial_at(4, at + first, value + first, share);
     }
-    return by_ratio(row, ratio);
+    return interpolate_over_ratio(row, ratio);
 }
 
-static double glue(size_t nu, double ratio) {
+static double glued_plate_factor(size_t nu, double ratio) {
     double at[TABLE_SLENDER];
     for (size_t i = 0; i < TABLE_SLENDER; i++)
         at[i] = log(table_slender[i]);
-    return through(TABLE_SLENDER, at, table_glue[nu], log(ratio));
+    return interpolate_polynomial_at(TABLE_SLENDER, at, table_glue[nu], log(ratio));
 }
 
-static double at_poisson(const palp_indentation *in, size_t nu, double depth_m) {
+static double factor_at_table_poisson(const palp_indentation *in, size_t nu, double depth_m) {
     double ratio = in->radius_m / in->thickness_m, factor = 1;
     if (in->tip == PALP_TIP_PLATE)
-        return glue(nu, ratio);
+        return glued_plate_factor(nu, ratio);
     if (in->large_strain)
-        factor *= large(nu, ratio, depth_m / fmin(0.2 * in->thickness_m, 0.4 * in->radius_m));
+        factor *= large_depth_factor(nu, ratio, depth_m / fmin(0.2 * in->thickness_m, 0.4 * in->radius_m));
     if (in->specimen_radius_m > 0)
-        factor *= wide(nu, ratio, in->radius_m / in->specimen_radius_m);
-    return in->tip_sticks ? factor * by_ratio(table_stick[nu], ratio) : factor;
+        factor *= specimen_radius_factor(nu, ratio, in->radius_m / in->specimen_radius_m);
+    return in->tip_sticks ? factor * interpolate_over_ratio(table_stick[nu], ratio) : factor;
 }
 
-static bool is_curved(const palp_indentation *in) {
+static bool is_sphere_or_cone(const palp_indentation *in) {
     return in->tip == PALP_TIP_SPHERE || in->tip == PALP_TIP_CONE;
 }
 
-static bool is_wanted(const palp_indentation *in) {
+static bool is_correction_wanted(const palp_indentation *in) {
     return in->tip_sticks || (in->tip != PALP_TIP_PLATE && (in->large_strain || in->specimen_radius_m > 0));
 }
 
 /* Is the tip's size within the tables? */
-static bool is_inside(const palp_indentation *in) {
+static bool is_tip_within_tables(const palp_indentation *in) {
     double ratio = in->radius_m / in->thickness_m;
     if (in->tip == PALP_TIP_PLATE)
         return ratio >= table_slender[0] && ratio <= table_slender[TABLE_SLENDER - 1];
@@ -133,20 +133,22 @@ static bool is_inside(const palp_indentation *in) {
 }
 
 palp_status indentation_factor_check(const palp_indentation *in, double deepest_m) {
-    if (!is_wanted(in))
+    if (!is_correction_wanted(in))
         return PALP_OK;
-    if (in->floor_slides || (is_curved(in) && (in->tip_sticks || in->specimen_radius_m > 0)))
+    if (in->floor_slides || (is_sphere_or_cone(in) && (in->tip_sticks || in->specimen_radius_m > 0)))
         return PALP_ERR_UNSUPPORTED;
-    bool deep = in->large_strain && in->tip != PALP_TIP_PLATE && deepest_m > 1.001 * deepest_of(in);
-    return is_inside(in) && !deep ? PALP_OK : PALP_ERR_LIMIT;
+    bool deep =
+        in->large_strain && in->tip != PALP_TIP_PLATE && deepest_m > 1.001 * deepest_tabulated_press(in);
+    return is_tip_within_tables(in) && !deep ? PALP_OK : PALP_ERR_LIMIT;
 }
 
 double indentation_factor(const palp_indentation *in, double depth_m) {
     double part;
-    if (!is_wanted(in))
+    if (!is_correction_wanted(in))
         return 1.0;
-    if (is_curved(in))
+    if (is_sphere_or_cone(in))
         return large_curved(in, depth_m);
-    size_t nu = interval_of(in->poisson, &part);
-    return 1.0 / ((1.0 - part) / at_poisson(in, nu, depth_m) + part / at_poisson(in, nu + 1, depth_m));
+    size_t nu = find_poisson_interval(in->poisson, &part);
+    return 1.0 / ((1.0 - part) / factor_at_table_poisson(in, nu, depth_m) +
+                  part / factor_at_table_poisson(in, nu + 1, depth_m));
 }

@@ -35,7 +35,7 @@ palp_status palp_law_kind_parse(const char *name, palp_law_kind *kind) {
     return PALP_ERR_ARGUMENT;
 }
 
-static bool all_finite(size_t n, const double *x) {
+static bool are_all_values_finite(size_t n, const double *x) {
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(x[i]))
             return false;
@@ -48,10 +48,10 @@ static palp_status check_coefficients(size_t n, const double *c) {
         return PALP_ERR_ARGUMENT;
     if (n > PALP_LAW_MAX)
         return PALP_ERR_LIMIT;
-    return all_finite(n, c) ? PALP_OK : PALP_ERR_ARGUMENT;
+    return are_all_values_finite(n, c) ? PALP_OK : PALP_ERR_ARGUMENT;
 }
 
-static palp_law make(palp_law_kind kind, size_t n, const double *c) {
+static palp_law make_law_of_kind(palp_law_kind kind, size_t n, const double *c) {
     palp_law law = {.kind = kind, .n = n};
     memcpy(law.coefficients, c, n * sizeof *c);
     return law;
@@ -62,7 +62,7 @@ palp_status palp_law_polynomial(size_t n, const double *c_N, palp_law *law) {
         return PALP_ERR_ARGUMENT;
     palp_status status = check_coefficients(n, c_N);
     if (status == PALP_OK)
-        *law = make(PALP_LAW_POLYNOMIAL, n, c_N);
+        *law = make_law_of_kind(PALP_LAW_POLYNOMIAL, n, c_N);
     return status;
 }
 
@@ -72,13 +72,13 @@ palp_status palp_law_spline(size_t n, const double *strain, const double *stiffn
     palp_status status = check_coefficients(n, stiffness_N);
     if (status != PALP_OK)
         return status;
-    if (n < 2 || !strain || !all_finite(n, strain) || strain[0] != 0.0)
+    if (n < 2 || !strain || !are_all_values_finite(n, strain) || strain[0] != 0.0)
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < n; i++) {
         if (stiffness_N[i] <= 0.0 || (i > 0 && strain[i] <= strain[i - 1]))
             return PALP_ERR_ARGUMENT;
     }
-    palp_law made = make(PALP_LAW_SPLINE, n, stiffness_N);
+    palp_law made = make_law_of_kind(PALP_LAW_SPLINE, n, stiffness_N);
     memcpy(made.strain, strain, n * sizeof *strain);
     law_spline_slopes(&made);
     *law = made;
@@ -96,7 +96,7 @@ palp_status palp_law_hyperelastic(palp_law_kind kind, size_t n, const double *co
         return status;
     if (!(area_m2 > 0.0) || !isfinite(area_m2))
         return PALP_ERR_ARGUMENT;
-    *law = make(kind, n, coefficients_Pa);
+    *law = make_law_of_kind(kind, n, coefficients_Pa);
     law->area_m2 = area_m2;
     return PALP_OK;
 }
@@ -149,8 +149,8 @@ palp_status palp_law_scale(const palp_law *law, double factor, palp_law *scaled)
 
 /* The polynomial loops are inlined with constant m into polynomial_force. This unrolls the inner loop and
  * lets the compiler vectorise the outer one. */
-static inline void horner_force(size_t m, const double *restrict c, size_t n, const double *restrict e,
-                                double *restrict force) {
+static inline void polynomial_force_by_horner(size_t m, const double *restrict c, size_t n,
+                                              const double *restrict e, double *restrict force) {
     for (size_t i = 0; i < n; i++) {
         double a = fabs(e[i]), k = c[m - 1];
         for (size_t j = m - 1; j-- > 0;)
@@ -177,7 +177,7 @@ static inline void polynomial_loop(size_t m, const double *c, size_t n, const do
     if (tangent)
         horner_tangent(m, c, n, e, force, tangent);
     else
-        horner_force(m, c, n, e, force);
+        polynomial_force_by_horner(m, c, n, e, force);
 }
 
 PALP_CLONES

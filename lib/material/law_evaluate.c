@@ -10,18 +10,18 @@ typedef struct range_end {
     double force, tangent, energy;
 } range_end;
 
-static range_end end_of(const palp_law *law) {
+static range_end force_at_range_end(const palp_law *law) {
     range_end end;
     law_kind_force(law, 1, &law->strain_max, &end.force, &end.tangent, &end.energy);
     return end;
 }
 
-static bool is_beyond(const palp_law *law, double a) {
+static bool is_strain_beyond_range(const palp_law *law, double a) {
     return law->strain_max > 0.0 && a > law->strain_max;
 }
 
-static void go_on(const range_end *end, double e, double beyond, double *force, double *tangent,
-                  double *energy) {
+static void extrapolate_linearly(const range_end *end, double e, double beyond, double *force,
+                                 double *tangent, double *energy) {
     *force = copysign(end->force + end->tangent * beyond, e);
     if (tangent)
         *tangent = end->tangent;
@@ -30,22 +30,22 @@ static void go_on(const range_end *end, double e, double beyond, double *force, 
 }
 
 /* Replaces only the values beyond the measured range. */
-static void force_beyond(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
-                         double *energy_N) {
+static void evaluate_force_beyond_range(const palp_law *law, size_t n, const double *e, double *force_N,
+                                        double *tangent_N, double *energy_N) {
     size_t i = 0;
     while (i < n && fabs(e[i]) <= law->strain_max)
         i++;
     if (i == n)
         return;
-    const range_end end = end_of(law);
+    const range_end end = force_at_range_end(law);
     for (; i < n; i++)
         if (fabs(e[i]) > law->strain_max)
-            go_on(&end, e[i], fabs(e[i]) - law->strain_max, &force_N[i], tangent_N ? &tangent_N[i] : NULL,
-                  energy_N ? &energy_N[i] : NULL);
+            extrapolate_linearly(&end, e[i], fabs(e[i]) - law->strain_max, &force_N[i],
+                                 tangent_N ? &tangent_N[i] : NULL, energy_N ? &energy_N[i] : NULL);
 }
 
 static void stiffness_beyond(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
-    const range_end end = end_of(law);
+    const range_end end = force_at_range_end(law);
     *stiffness_N = (end.force + end.tangent * (a - law->strain_max)) / a;
     *slope_N = (end.tangent - *stiffness_N) / a;
 }
@@ -65,14 +65,14 @@ void palp_law_force(const palp_law *law, size_t n, const double *e, double *forc
         return;
     law_kind_force(law, n, e, force_N, tangent_N, energy_N);
     if (law->strain_max > 0.0)
-        force_beyond(law, n, e, force_N, tangent_N, energy_N);
+        evaluate_force_beyond_range(law, n, e, force_N, tangent_N, energy_N);
 }
 
 void palp_law_stiffness(const palp_law *law, double e, double *stiffness_N, double *slope_N) {
     if (!law)
         return;
     double a = fabs(e), k, slope;
-    if (is_beyond(law, a))
+    if (is_strain_beyond_range(law, a))
         stiffness_beyond(law, a, &k, &slope);
     else
         law_kind_stiffness(law, a, &k, &slope);
@@ -86,7 +86,7 @@ void palp_law_gradient(const palp_law *law, double e, double *dforce) {
     if (!law || !dforce)
         return;
     double a = fabs(e);
-    if (is_beyond(law, a))
+    if (is_strain_beyond_range(law, a))
         gradient_beyond(law, a, dforce);
     else
         law_kind_gradient(law, a, dforce, NULL);
@@ -95,7 +95,7 @@ void palp_law_gradient(const palp_law *law, double e, double *dforce) {
 }
 
 /* Adds the integral of palp_law_gradient between two strains, by Gauss-Legendre quadrature. */
-static void add_integral(const palp_law *law, double from, double to, double *out) {
+static void integrate_law_gradient(const palp_law *law, double from, double to, double *out) {
     enum { POINTS = 8 };
     static const double at[POINTS / 2] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674,
                                           0.96028985649753623};
@@ -112,7 +112,7 @@ static void add_integral(const palp_law *law, double from, double to, double *ou
 
 void law_energy_gradient(const palp_law *law, double e, double *out) {
     enum { PANELS = 4 };
-    const double a = fabs(e), inside = is_beyond(law, a) ? law->strain_max : a;
+    const double a = fabs(e), inside = is_strain_beyond_range(law, a) ? law->strain_max : a;
     double power = 0.5 * inside * inside;
     memset(out, 0, law->n * sizeof *out);
     if (law->kind == PALP_LAW_SPLINE)
@@ -122,9 +122,9 @@ void law_energy_gradient(const palp_law *law, double e, double *out) {
             out[k] = 2.0 * power / (double)(k + 2);
     else
         for (int i = 0; i < PANELS; i++)
-            add_integral(law, inside * i / PANELS, inside * (i + 1) / PANELS, out);
+            integrate_law_gradient(law, inside * i / PANELS, inside * (i + 1) / PANELS, out);
     if (inside < a)
-        add_integral(law, inside, a, out);
+        integrate_law_gradient(law, inside, a, out);
 }
 
 double palp_law_minimum(const palp_law *law, double strain_max) {
@@ -144,11 +144,11 @@ double palp_law_minimum(const palp_law *law, double strain_max) {
 }
 
 double palp_law_beyond(const palp_law *law, double e) {
-    return law && is_beyond(law, fabs(e)) ? fabs(e) - law->strain_max : 0.0;
+    return law && is_strain_beyond_range(law, fabs(e)) ? fabs(e) - law->strain_max : 0.0;
 }
 
 /* To be continued by its tangent a force must rise: by a hundredth of K at least. */
-static bool rises(const palp_law *law, double a) {
+static bool does_force_rise_at_strain(const palp_law *law, double a) {
     double force, tangent;
     law_kind_force(law, 1, &a, &force, &tangent, NULL);
     return force > 0.0 && isfinite(tangent) && tangent >= 0.01 * force / a;
@@ -160,7 +160,7 @@ palp_status palp_law_limit(palp_law *law, double strain_max) {
         return PALP_ERR_ARGUMENT;
     for (int i = STEPS; i > 0 && strain_max > 0.0; i--) {
         double a = i == STEPS ? strain_max : strain_max * i / STEPS;
-        if (rises(law, a)) {
+        if (does_force_rise_at_strain(law, a)) {
             law->strain_max = a;
             return PALP_OK;
         }

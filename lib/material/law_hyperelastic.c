@@ -18,7 +18,7 @@ typedef struct invariants {
     double j2, p2, dp2;
 } invariants;
 
-static invariants invariants_at(double a) {
+static invariants strain_invariants_at(double a) {
     double s = 1.0 - a, r = 1.0 / s;
     invariants v = {.a = a};
     v.j1 = a * a * (3.0 - a) * r;
@@ -31,7 +31,7 @@ static invariants invariants_at(double a) {
 }
 
 /* x^n; 0 for negative n, which stands for the derivative of a constant. */
-static double power(double x, int n) {
+static double integer_power_or_zero(double x, int n) {
     if (n < 0)
         return 0.0;
     double y = 1.0;
@@ -42,9 +42,11 @@ static double power(double x, int n) {
 
 /* The response of W = (I1 - 3)^p (I2 - 3)^q. */
 static response invariant_term(const invariants *v, int p, int q) {
-    double f1 = power(v->j1, p), f2 = power(v->j2, q);
-    double g1 = p * power(v->j1, p - 1), g2 = q * power(v->j2, q - 1); /* first derivatives */
-    double h1 = p * (p - 1) * power(v->j1, p - 2), h2 = q * (q - 1) * power(v->j2, q - 2);
+    double f1 = integer_power_or_zero(v->j1, p), f2 = integer_power_or_zero(v->j2, q);
+    double g1 = p * integer_power_or_zero(v->j1, p - 1),
+           g2 = q * integer_power_or_zero(v->j2, q - 1); /* first derivatives */
+    double h1 = p * (p - 1) * integer_power_or_zero(v->j1, p - 2),
+           h2 = q * (q - 1) * integer_power_or_zero(v->j2, q - 2);
     double w1 = g1 * f2, w2 = f1 * g2, w12 = g1 * g2;
     response r;
     r.energy = f1 * f2;
@@ -55,7 +57,7 @@ static response invariant_term(const invariants *v, int p, int q) {
 }
 
 /* Exponents of (I1 - 3) and (I2 - 3) that coefficient i stands for. */
-static void exponents(palp_law_kind kind, size_t i, int *p, int *q) {
+static void exponents_of_invariants(palp_law_kind kind, size_t i, int *p, int *q) {
     static const int mooney_rivlin[5][2] = {{1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}};
     if (kind == PALP_LAW_YEOH || kind == PALP_LAW_NEO_HOOKEAN) {
         *p = (int)i + 1;
@@ -93,7 +95,7 @@ static void power_quotient(double beta, double a, double *y, double *value, doub
 
 /* The response of one Ogden term with mu = 1, W = (s^alpha + 2 s^(-alpha/2) - 3) / alpha. With
  * y = s^(-alpha/2), W = (y - 1)^2 (2 y + 1) / (y^2 alpha) and K = (y - 1)/a (1 + 1/y + 1/y^2) / s. */
-static response ogden_term(double alpha, double a) {
+static response response_of_ogden_term(double alpha, double a) {
     double beta = -0.5 * alpha, y, q, dq, r = 1.0 / (1.0 - a);
     power_quotient(beta, a, &y, &q, &dq);
     double g = 1.0 + (1.0 + 1.0 / y) / y, dg = beta * r * (1.0 + 2.0 / y) / y;
@@ -105,7 +107,7 @@ static response ogden_term(double alpha, double a) {
 }
 
 /* d/da of -log(1 - a) / a, by its series for small a. */
-static double rate_slope(double a) {
+static double log_strain_ratio_slope(double a) {
     double power_a = 1.0, sum = 0.0;
     if (a > 0.1)
         return (1.0 / (1.0 - a) + log1p(-a) / a) / a;
@@ -123,32 +125,32 @@ static double ogden_exponent_gradient(double alpha, double a, double *slope) {
     double rate = a > 0.0 ? -l / a : 1.0;
     double low = exp(-0.5 * alpha * l), high = exp(alpha * l), sum = 0.5 * low + high;
     if (slope)
-        *slope = (rate_slope(a) * sum + rate * (sum + alpha * (0.25 * low - high)) / s) / s;
+        *slope = (log_strain_ratio_slope(a) * sum + rate * (sum + alpha * (0.25 * low - high)) / s) / s;
     return rate * sum / s;
 }
 
-static void accumulate(response *sum, double c, response term) {
+static void add_scaled_response(response *sum, double c, response term) {
     sum->energy += c * term.energy;
     sum->stiffness += c * term.stiffness;
     sum->slope += c * term.slope;
 }
 
 /* The whole law at a >= 0, in N; infinite from a = 1 on. */
-static response respond(const palp_law *law, double a) {
+static response hyperelastic_response_at(const palp_law *law, double a) {
     const double *c = law->coefficients;
     response sum = {0.0, 0.0, 0.0};
     if (a >= 1.0)
         return (response){INFINITY, INFINITY, INFINITY};
     if (law->kind == PALP_LAW_OGDEN) {
         for (size_t i = 0; i + 1 < law->n; i += 2)
-            accumulate(&sum, law->area_m2 * c[i], ogden_term(c[i + 1], a));
+            add_scaled_response(&sum, law->area_m2 * c[i], response_of_ogden_term(c[i + 1], a));
         return sum;
     }
-    invariants v = invariants_at(a);
+    invariants v = strain_invariants_at(a);
     for (size_t i = 0; i < law->n; i++) {
         int p, q;
-        exponents(law->kind, i, &p, &q);
-        accumulate(&sum, law->area_m2 * c[i], invariant_term(&v, p, q));
+        exponents_of_invariants(law->kind, i, &p, &q);
+        add_scaled_response(&sum, law->area_m2 * c[i], invariant_term(&v, p, q));
     }
     return sum;
 }
@@ -178,7 +180,7 @@ void law_hyperelastic_force(const palp_law *law, size_t n, const double *e, doub
                             double *tangent_N, double *energy_N) {
     for (size_t i = 0; i < n; i++) {
         double a = fabs(e[i]);
-        response r = respond(law, a);
+        response r = hyperelastic_response_at(law, a);
         force_N[i] = r.stiffness * e[i];
         if (tangent_N)
             tangent_N[i] = a > 0.0 ? r.stiffness + a * r.slope : r.stiffness;
@@ -188,7 +190,7 @@ void law_hyperelastic_force(const palp_law *law, size_t n, const double *e, doub
 }
 
 void law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
-    response r = respond(law, a);
+    response r = hyperelastic_response_at(law, a);
     *stiffness_N = r.stiffness;
     *slope_N = r.slope;
 }
@@ -196,7 +198,7 @@ void law_hyperelastic_stiffness(const palp_law *law, double a, double *stiffness
 static void ogden_gradient(const palp_law *law, double a, double *dstiffness, double *dslope) {
     for (size_t i = 0; i + 1 < law->n; i += 2) {
         double mu = law->coefficients[i], alpha = law->coefficients[i + 1], slope;
-        response term = ogden_term(alpha, a);
+        response term = response_of_ogden_term(alpha, a);
         dstiffness[i] = law->area_m2 * term.stiffness;
         dstiffness[i + 1] = law->area_m2 * mu * ogden_exponent_gradient(alpha, a, dslope ? &slope : NULL);
         if (dslope) {
@@ -218,10 +220,10 @@ void law_hyperelastic_gradient(const palp_law *law, double a, double *dstiffness
         ogden_gradient(law, a, dstiffness, dslope);
         return;
     }
-    invariants v = invariants_at(a);
+    invariants v = strain_invariants_at(a);
     for (size_t k = 0; k < law->n; k++) {
         int p, q;
-        exponents(law->kind, k, &p, &q);
+        exponents_of_invariants(law->kind, k, &p, &q);
         response term = invariant_term(&v, p, q);
         dstiffness[k] = law->area_m2 * term.stiffness;
         if (dslope)

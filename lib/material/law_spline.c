@@ -15,18 +15,18 @@ typedef struct knot_slope {
     double slope, left, right;
 } knot_slope;
 
-static double spacing(const palp_law *law, size_t i) {
+static double interval_width(const palp_law *law, size_t i) {
     return law->strain[i + 1] - law->strain[i];
 }
 
-static double secant(const palp_law *law, size_t i) {
-    return (law->coefficients[i + 1] - law->coefficients[i]) / spacing(law, i);
+static double interval_secant(const palp_law *law, size_t i) {
+    return (law->coefficients[i + 1] - law->coefficients[i]) / interval_width(law, i);
 }
 
 /* Weighted harmonic mean of the secants of intervals i-1 and i; 0 at an extremum. */
-static knot_slope inner_slope(const palp_law *law, size_t i) {
-    double h0 = spacing(law, i - 1), h1 = spacing(law, i);
-    double d0 = secant(law, i - 1), d1 = secant(law, i);
+static knot_slope slope_at_inner_knot(const palp_law *law, size_t i) {
+    double h0 = interval_width(law, i - 1), h1 = interval_width(law, i);
+    double d0 = interval_secant(law, i - 1), d1 = interval_secant(law, i);
     knot_slope s = {0.0, 0.0, 0.0};
     if ((d0 > 0.0 && d1 > 0.0) || (d0 < 0.0 && d1 < 0.0)) {
         double w0 = (2.0 * h1 + h0) / (3.0 * (h0 + h1)), w1 = 1.0 - w0;
@@ -41,7 +41,7 @@ static knot_slope inner_slope(const palp_law *law, size_t i) {
 
 /* Three-point slope at an end: near and far are the secants of the two intervals next to it. It has the sign
  * of near and at most three times its size, which keeps the end interval monotone. */
-static knot_slope end_slope(double h_near, double h_far, double near, double far) {
+static knot_slope slope_at_end_knot(double h_near, double h_far, double near, double far) {
     double w = h_near / (h_near + h_far);
     knot_slope s = {(1.0 + w) * near - w * far, 1.0 + w, -w}; /* left = d/dnear, right = d/dfar */
     if (s.slope * near <= 0.0)
@@ -51,27 +51,30 @@ static knot_slope end_slope(double h_near, double h_far, double near, double far
     return s;
 }
 
-static knot_slope slope_at(const palp_law *law, size_t i) {
+static knot_slope monotone_slope_at_knot(const palp_law *law, size_t i) {
     size_t n = law->n;
     if (n == 2)
-        return i == 0 ? (knot_slope){secant(law, 0), 0.0, 1.0} : (knot_slope){secant(law, 0), 1.0, 0.0};
+        return i == 0 ? (knot_slope){interval_secant(law, 0), 0.0, 1.0}
+                      : (knot_slope){interval_secant(law, 0), 1.0, 0.0};
     if (i == 0)
-        return end_slope(spacing(law, 0), spacing(law, 1), secant(law, 0), secant(law, 1));
+        return slope_at_end_knot(interval_width(law, 0), interval_width(law, 1), interval_secant(law, 0),
+                                 interval_secant(law, 1));
     if (i == n - 1)
-        return end_slope(spacing(law, n - 2), spacing(law, n - 3), secant(law, n - 2), secant(law, n - 3));
-    return inner_slope(law, i);
+        return slope_at_end_knot(interval_width(law, n - 2), interval_width(law, n - 3),
+                                 interval_secant(law, n - 2), interval_secant(law, n - 3));
+    return slope_at_inner_knot(law, i);
 }
 
 void law_spline_slopes(palp_law *law) {
     for (size_t i = 0; i < law->n; i++)
-        law->slope[i] = slope_at(law, i).slope;
+        law->slope[i] = monotone_slope_at_knot(law, i).slope;
 }
 
 /* Interval i for i < n - 1, or the straight continuation for i = n - 1. */
-static piece make_piece(const palp_law *law, size_t i) {
+static piece cubic_piece_of_interval(const palp_law *law, size_t i) {
     piece p = {law->strain[i], {law->coefficients[i], law->slope[i], 0.0, 0.0}, 0.0};
     if (i + 1 < law->n) {
-        double h = spacing(law, i), d = secant(law, i);
+        double h = interval_width(law, i), d = interval_secant(law, i);
         p.c[2] = (3.0 * d - 2.0 * law->slope[i] - law->slope[i + 1]) / h;
         p.c[3] = (law->slope[i] + law->slope[i + 1] - 2.0 * d) / (h * h);
     }
@@ -79,7 +82,7 @@ static piece make_piece(const palp_law *law, size_t i) {
 }
 
 /* Integral of K(a) a da from x to x + u. */
-static double piece_energy(const piece *p, double u) {
+static double integrate_energy_in_piece(const piece *p, double u) {
     const double *c = p->c;
     double k = c[0] + u * (c[1] / 2.0 + u * (c[2] / 3.0 + u * c[3] / 4.0));
     double ku = c[0] / 2.0 + u * (c[1] / 3.0 + u * (c[2] / 4.0 + u * c[3] / 5.0));
@@ -90,12 +93,12 @@ static double piece_stiffness(const piece *p, double u) {
     return p->c[0] + u * (p->c[1] + u * (p->c[2] + u * p->c[3]));
 }
 
-static double piece_slope(const piece *p, double u) {
+static double stiffness_slope_in_piece(const piece *p, double u) {
     return p->c[1] + u * (2.0 * p->c[2] + u * 3.0 * p->c[3]);
 }
 
 /* The last knot at or below a. */
-static size_t find_interval(const palp_law *law, double a) {
+static size_t find_knot_interval(const palp_law *law, double a) {
     size_t low = 0, high = law->n;
     while (high - low > 1) {
         size_t middle = (low + high) / 2;
@@ -108,21 +111,22 @@ static size_t find_interval(const palp_law *law, double a) {
 }
 
 /* Force, tangent and energy at a strain in a piece. */
-static void force_in(const piece *p, double e, double *force_N, double *tangent_N, double *energy_N) {
+static void evaluate_spline_piece(const piece *p, double e, double *force_N, double *tangent_N,
+                                  double *energy_N) {
     double a = fabs(e), u = a - p->x, k = piece_stiffness(p, u);
     *force_N = k * e;
     if (tangent_N)
-        *tangent_N = k + a * piece_slope(p, u);
+        *tangent_N = k + a * stiffness_slope_in_piece(p, u);
     if (energy_N)
-        *energy_N = p->energy + piece_energy(p, u);
+        *energy_N = p->energy + integrate_energy_in_piece(p, u);
 }
 
 /* Interval i, with the energy up to its start if wanted. */
-static piece whole_piece(const palp_law *law, size_t i, bool energy) {
-    piece p = make_piece(law, i);
+static piece piece_with_energy_before(const palp_law *law, size_t i, bool energy) {
+    piece p = cubic_piece_of_interval(law, i);
     for (size_t k = 0; k < i && energy; k++) {
-        piece before = make_piece(law, k);
-        p.energy += piece_energy(&before, spacing(law, k));
+        piece before = cubic_piece_of_interval(law, k);
+        p.energy += integrate_energy_in_piece(&before, interval_width(law, k));
     }
     return p;
 }
@@ -133,45 +137,47 @@ void law_spline_force(const palp_law *law, size_t n, const double *e, double *fo
     piece pieces[PALP_LAW_MAX];
     const bool few = n < law->n;
     for (size_t i = 0; i < law->n && !few; i++) {
-        pieces[i] = make_piece(law, i);
+        pieces[i] = cubic_piece_of_interval(law, i);
         if (i > 0)
-            pieces[i].energy = pieces[i - 1].energy + piece_energy(&pieces[i - 1], spacing(law, i - 1));
+            pieces[i].energy =
+                pieces[i - 1].energy + integrate_energy_in_piece(&pieces[i - 1], interval_width(law, i - 1));
     }
     for (size_t i = 0; i < n; i++) {
-        size_t at = find_interval(law, fabs(e[i]));
-        piece own = few ? whole_piece(law, at, energy_N) : pieces[at];
-        force_in(&own, e[i], &force_N[i], tangent_N ? &tangent_N[i] : NULL, energy_N ? &energy_N[i] : NULL);
+        size_t at = find_knot_interval(law, fabs(e[i]));
+        piece own = few ? piece_with_energy_before(law, at, energy_N) : pieces[at];
+        evaluate_spline_piece(&own, e[i], &force_N[i], tangent_N ? &tangent_N[i] : NULL,
+                              energy_N ? &energy_N[i] : NULL);
     }
 }
 
 void law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N) {
-    piece p = make_piece(law, find_interval(law, a));
+    piece p = cubic_piece_of_interval(law, find_knot_interval(law, a));
     *stiffness_N = piece_stiffness(&p, a - p.x);
-    *slope_N = piece_slope(&p, a - p.x);
+    *slope_N = stiffness_slope_in_piece(&p, a - p.x);
 }
 
 /* Adds weight * d secant_i / d K_k. */
-static void add_secant(const palp_law *law, size_t i, double weight, double *dstiffness) {
-    double g = weight / spacing(law, i);
+static void add_secant_derivative(const palp_law *law, size_t i, double weight, double *dstiffness) {
+    double g = weight / interval_width(law, i);
     dstiffness[i] -= g;
     dstiffness[i + 1] += g;
 }
 
 /* Adds weight * d slope_i / d K_k. */
-static void add_slope(const palp_law *law, size_t i, double weight, double *dstiffness) {
+static void add_knot_slope_derivative(const palp_law *law, size_t i, double weight, double *dstiffness) {
     size_t n = law->n;
-    knot_slope s = slope_at(law, i);
+    knot_slope s = monotone_slope_at_knot(law, i);
     if (n > 2 && i == 0) { /* end slopes: near, far instead of left, right */
-        add_secant(law, 0, weight * s.left, dstiffness);
-        add_secant(law, 1, weight * s.right, dstiffness);
+        add_secant_derivative(law, 0, weight * s.left, dstiffness);
+        add_secant_derivative(law, 1, weight * s.right, dstiffness);
     } else if (n > 2 && i == n - 1) {
-        add_secant(law, n - 2, weight * s.left, dstiffness);
-        add_secant(law, n - 3, weight * s.right, dstiffness);
+        add_secant_derivative(law, n - 2, weight * s.left, dstiffness);
+        add_secant_derivative(law, n - 3, weight * s.right, dstiffness);
     } else {
         if (i > 0)
-            add_secant(law, i - 1, weight * s.left, dstiffness);
+            add_secant_derivative(law, i - 1, weight * s.left, dstiffness);
         if (i + 1 < n)
-            add_secant(law, i, weight * s.right, dstiffness);
+            add_secant_derivative(law, i, weight * s.right, dstiffness);
     }
 }
 
@@ -179,33 +185,34 @@ void law_spline_gradient(const palp_law *law, double a, double *dstiffness, doub
     memset(dstiffness, 0, law->n * sizeof *dstiffness);
     if (dslope)
         memset(dslope, 0, law->n * sizeof *dslope);
-    size_t i = find_interval(law, a);
+    size_t i = find_knot_interval(law, a);
     double u = a - law->strain[i];
     if (i + 1 == law->n) {
         dstiffness[i] = 1.0;
-        add_slope(law, i, u, dstiffness);
+        add_knot_slope_derivative(law, i, u, dstiffness);
         if (dslope)
-            add_slope(law, i, 1.0, dslope);
+            add_knot_slope_derivative(law, i, 1.0, dslope);
         return;
     }
-    double h = spacing(law, i), t = u / h; /* Hermite basis */
+    double h = interval_width(law, i), t = u / h; /* Hermite basis */
     double h01 = t * t * (3.0 - 2.0 * t);
     dstiffness[i] = 1.0 - h01;
     dstiffness[i + 1] = h01;
-    add_slope(law, i, u * (1.0 - t) * (1.0 - t), dstiffness);
-    add_slope(law, i + 1, u * t * (t - 1.0), dstiffness);
+    add_knot_slope_derivative(law, i, u * (1.0 - t) * (1.0 - t), dstiffness);
+    add_knot_slope_derivative(law, i + 1, u * t * (t - 1.0), dstiffness);
     if (!dslope)
         return;
     double turn = 6.0 * t * (1.0 - t) / h;
     dslope[i] = -turn;
     dslope[i + 1] = turn;
-    add_slope(law, i, (1.0 - t) * (1.0 - 3.0 * t), dslope);
-    add_slope(law, i + 1, t * (3.0 * t - 2.0), dslope);
+    add_knot_slope_derivative(law, i, (1.0 - t) * (1.0 - 3.0 * t), dslope);
+    add_knot_slope_derivative(law, i + 1, t * (3.0 * t - 2.0), dslope);
 }
 
 /* Derivatives of the energy, from the start of interval i to a strain in it, by the values and slopes at its
  * ends. Three Gauss-Legendre points, exact for K(a) a. */
-static void add_energy(const palp_law *law, size_t i, double to, double *by_stiffness, double *by_slope) {
+static void add_energy_derivatives(const palp_law *law, size_t i, double to, double *by_stiffness,
+                                   double *by_slope) {
     static const double at[3] = {0.11270166537925831, 0.5, 0.88729833462074169},
                         weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
     const double from = law->strain[i];
@@ -216,7 +223,7 @@ static void add_energy(const palp_law *law, size_t i, double to, double *by_stif
             by_slope[i] += w * u;
             continue;
         }
-        const double t = u / spacing(law, i), h01 = t * t * (3.0 - 2.0 * t);
+        const double t = u / interval_width(law, i), h01 = t * t * (3.0 - 2.0 * t);
         by_stiffness[i] += w * (1.0 - h01);
         by_stiffness[i + 1] += w * h01;
         by_slope[i] += w * u * (1.0 - t) * (1.0 - t);
@@ -227,8 +234,8 @@ static void add_energy(const palp_law *law, size_t i, double to, double *by_stif
 void law_spline_energy_gradient(const palp_law *law, double a, double *out) {
     double by_slope[PALP_LAW_MAX] = {0.0};
     for (size_t i = 0; i < law->n && law->strain[i] < a; i++)
-        add_energy(law, i, i + 1 < law->n ? fmin(a, law->strain[i + 1]) : a, out, by_slope);
+        add_energy_derivatives(law, i, i + 1 < law->n ? fmin(a, law->strain[i + 1]) : a, out, by_slope);
     for (size_t i = 0; i < law->n; i++)
         if (by_slope[i] != 0.0)
-            add_slope(law, i, by_slope[i], out);
+            add_knot_slope_derivative(law, i, by_slope[i], out);
 }

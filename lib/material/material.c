@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static palp_status check_arm(const palp_material *material, size_t j, palp_error *error) {
+static palp_status check_maxwell_arm(const palp_material *material, size_t j, palp_error *error) {
     const palp_arm *arm = &material->arms[j];
     if (!(arm->stiffness_N > 0.0) || !isfinite(arm->stiffness_N))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "arm %zu: stiffness_N must be positive", j + 1);
@@ -29,7 +29,7 @@ palp_status palp_material_check(const palp_material *material, palp_error *error
     if (material->n_arms > PALP_ARMS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "%zu arms, at most %d", material->n_arms, PALP_ARMS_MAX);
     for (size_t j = 0; j < material->n_arms; j++) {
-        status = check_arm(material, j, error);
+        status = check_maxwell_arm(material, j, error);
         if (status)
             return status;
     }
@@ -66,7 +66,7 @@ void element_advance(const palp_material *material, const element_step *step, co
 }
 
 /* Can palp_element_advance take this step? */
-static bool step_sound(const palp_material *material, double strain, double dt) {
+static bool can_element_take_step(const palp_material *material, double strain, double dt) {
     bool rate =
         material->dashpot_Ns > 0.0 || (material->formulation == PALP_SEDEF2008 && material->n_arms > 0);
     return dt >= 0.0 && isfinite(strain) && !(dt == 0.0 && rate);
@@ -75,7 +75,7 @@ static bool step_sound(const palp_material *material, double strain, double dt) 
 palp_status palp_element_advance(const palp_material *material, const palp_element_state *from, double strain,
                                  double dt_s, palp_element_state *to, double *tangent_N) {
     if (!material || !from || !to || material->n_arms > PALP_ARMS_MAX || !law_bounded(&material->law) ||
-        !step_sound(material, strain, dt_s))
+        !can_element_take_step(material, strain, dt_s))
         return PALP_ERR_ARGUMENT;
     element_step step;
     element_step_prepare(material, dt_s, &step);
@@ -102,7 +102,7 @@ palp_status palp_lumped_run(const palp_material *material, double height_m, size
             force_N[0] = 0.0;
             continue;
         }
-        if (!step_sound(material, strain, dt))
+        if (!can_element_take_step(material, strain, dt))
             return PALP_ERR_ARGUMENT;
         element_advance(material, element_steps_of(material, dt, &steps), &state, strain, &state, NULL);
         force_N[i] = state.force_N;

@@ -34,7 +34,7 @@ void palp_mesh_free(palp_mesh *mesh) {
 }
 
 /* A copy of an array, owned by m; NULL if from is NULL or memory is short. */
-static void *copy_of(palp_mesh *m, size_t n, size_t size, const void *from) {
+static void *copy_into_mesh_memory(palp_mesh *m, size_t n, size_t size, const void *from) {
     void *to = from ? arena_take(&m->memory, n, size) : NULL;
     return to ? memcpy(to, from, n * size) : NULL;
 }
@@ -49,11 +49,11 @@ palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
     m->n_tetrahedra = mesh->n_tetrahedra;
     m->n_triangles = mesh->n_triangles;
     m->n_hexahedra = mesh->n_hexahedra;
-    m->tetrahedra = copy_of(m, 4 * m->n_tetrahedra, sizeof *m->tetrahedra, mesh->tetrahedra);
-    m->hexahedra = copy_of(m, 8 * m->n_hexahedra, sizeof *m->hexahedra, mesh->hexahedra);
-    m->triangles = copy_of(m, 3 * m->n_triangles, sizeof *m->triangles, mesh->triangles);
-    m->scale = copy_of(m, m->n_elements, sizeof *m->scale, mesh->scale);
-    m->order = copy_of(m, m->n_elements, sizeof *m->order, mesh->order);
+    m->tetrahedra = copy_into_mesh_memory(m, 4 * m->n_tetrahedra, sizeof *m->tetrahedra, mesh->tetrahedra);
+    m->hexahedra = copy_into_mesh_memory(m, 8 * m->n_hexahedra, sizeof *m->hexahedra, mesh->hexahedra);
+    m->triangles = copy_into_mesh_memory(m, 3 * m->n_triangles, sizeof *m->triangles, mesh->triangles);
+    m->scale = copy_into_mesh_memory(m, m->n_elements, sizeof *m->scale, mesh->scale);
+    m->order = copy_into_mesh_memory(m, m->n_elements, sizeof *m->order, mesh->order);
     for (size_t i = 0; i < mesh->n_sets && !m->memory.failed; i++)
         palp_mesh_add_set(m, mesh->sets[i].name, mesh->sets[i].n, mesh->sets[i].nodes);
     if (m->memory.failed || m->n_sets < mesh->n_sets) {
@@ -79,7 +79,7 @@ double mesh_direction(const palp_mesh *mesh, const int32_t pair[2], double n[3])
 
 /* ---- checks -------------------------------------------------------------------------------------- */
 
-static int compare_pairs(const void *left, const void *right) {
+static int compare_node_pairs(const void *left, const void *right) {
     const int32_t *a = left, *b = right;
     if (a[0] != b[0])
         return a[0] < b[0] ? -1 : 1;
@@ -92,10 +92,10 @@ size_t mesh_pairs_unique(size_t n_pairs, int32_t *pairs) {
         pairs[2 * e] = a < b ? a : b;
         pairs[2 * e + 1] = a < b ? b : a;
     }
-    qsort(pairs, n_pairs, 2 * sizeof *pairs, compare_pairs);
+    qsort(pairs, n_pairs, 2 * sizeof *pairs, compare_node_pairs);
     size_t kept = 0;
     for (size_t e = 0; e < n_pairs; e++)
-        if (e == 0 || compare_pairs(pairs + 2 * e, pairs + 2 * (kept - 1)) != 0) {
+        if (e == 0 || compare_node_pairs(pairs + 2 * e, pairs + 2 * (kept - 1)) != 0) {
             memmove(pairs + 2 * kept, pairs + 2 * e, 2 * sizeof *pairs);
             kept++;
         }
@@ -108,7 +108,7 @@ bool mesh_length_ok(const double a[3], const double b[3], double size_m) {
     return length > 1e-12 * size_m && isfinite(length);
 }
 
-static void box(size_t n_nodes, const double *x_m, double low[3], double high[3]) {
+static void bounding_box_of_nodes(size_t n_nodes, const double *x_m, double low[3], double high[3]) {
     for (int axis = 0; axis < 3; axis++)
         low[axis] = high[axis] = x_m[axis];
     for (size_t i = 1; i < n_nodes; i++)
@@ -121,12 +121,12 @@ static void box(size_t n_nodes, const double *x_m, double low[3], double high[3]
 
 double mesh_diagonal(size_t n_nodes, const double *x_m) {
     double low[3], high[3];
-    box(n_nodes, x_m, low, high);
+    bounding_box_of_nodes(n_nodes, x_m, low, high);
     double d[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
-static int32_t find_root(int32_t *root, int32_t i) {
+static int32_t find_root_of_node(int32_t *root, int32_t i) {
     while (root[i] != i) {
         root[i] = root[root[i]];
         i = root[i];
@@ -142,25 +142,25 @@ size_t mesh_parts(size_t n_nodes, size_t n_elements, const int32_t *pairs, const
     for (size_t e = 0; e < n_elements; e++) {
         if (alive && !alive[e])
             continue;
-        int32_t a = find_root(root, pairs[2 * e]), b = find_root(root, pairs[2 * e + 1]);
+        int32_t a = find_root_of_node(root, pairs[2 * e]), b = find_root_of_node(root, pairs[2 * e + 1]);
         if (a == b)
             continue;
         root[a > b ? a : b] = a > b ? b : a;
         n_parts--;
     }
     for (size_t i = 0; i < n_nodes; i++)
-        root[i] = find_root(root, (int32_t)i);
+        root[i] = find_root_of_node(root, (int32_t)i);
     return n_parts;
 }
 
-static palp_status check_positions(size_t n_nodes, const double *x_m, palp_error *error) {
+static palp_status check_node_positions(size_t n_nodes, const double *x_m, palp_error *error) {
     for (size_t i = 0; i < 3 * n_nodes; i++)
         if (!isfinite(x_m[i]))
             return palp_error_set(error, PALP_ERR_INPUT, "node %zu: a coordinate is not finite", i / 3);
     return PALP_OK;
 }
 
-static palp_status check_elements(const palp_mesh *mesh, palp_error *error) {
+static palp_status check_element_nodes(const palp_mesh *mesh, palp_error *error) {
     double size_m = mesh_diagonal(mesh->n_nodes, mesh->x_m);
     for (size_t e = 0; e < mesh->n_elements; e++) {
         const int32_t *pair = mesh->pairs + 2 * e;
@@ -177,7 +177,7 @@ static palp_status check_elements(const palp_mesh *mesh, palp_error *error) {
     return PALP_OK;
 }
 
-static palp_status check_repeats(const palp_mesh *mesh, palp_error *error) {
+static palp_status check_repeated_elements(const palp_mesh *mesh, palp_error *error) {
     size_t bytes = 2 * mesh->n_elements * sizeof *mesh->pairs;
     int32_t *sorted = malloc(bytes);
     if (!sorted)
@@ -204,7 +204,7 @@ palp_status mesh_part_away(const palp_mesh *mesh, size_t *parts, size_t *away) {
     return PALP_OK;
 }
 
-static palp_status check_connected(const palp_mesh *mesh, palp_error *error) {
+static palp_status check_mesh_is_connected(const palp_mesh *mesh, palp_error *error) {
     size_t parts, other;
     if (mesh_part_away(mesh, &parts, &other))
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
@@ -215,13 +215,13 @@ static palp_status check_connected(const palp_mesh *mesh, palp_error *error) {
                           other);
 }
 
-static palp_status check_mesh(const palp_mesh *mesh, palp_error *error) {
-    palp_status status = check_positions(mesh->n_nodes, mesh->x_m, error);
+static palp_status check_complete_mesh(const palp_mesh *mesh, palp_error *error) {
+    palp_status status = check_node_positions(mesh->n_nodes, mesh->x_m, error);
     if (!status)
-        status = check_elements(mesh, error);
+        status = check_element_nodes(mesh, error);
     if (!status)
-        status = check_repeats(mesh, error);
-    return status ? status : check_connected(mesh, error);
+        status = check_repeated_elements(mesh, error);
+    return status ? status : check_mesh_is_connected(mesh, error);
 }
 
 palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_elements, const int32_t *pairs,
@@ -234,7 +234,7 @@ palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_element
         return palp_error_set(error, status, "out of memory");
     memcpy(m->x_m, x_m, 3 * n_nodes * sizeof *x_m);
     memcpy(m->pairs, pairs, 2 * n_elements * sizeof *pairs);
-    status = check_mesh(m, error);
+    status = check_complete_mesh(m, error);
     if (status)
         palp_mesh_free(m);
     else
@@ -244,12 +244,12 @@ palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_element
 
 /* ---- sets ---------------------------------------------------------------------------------------- */
 
-static int compare_nodes(const void *left, const void *right) {
+static int compare_node_indices(const void *left, const void *right) {
     int32_t a = *(const int32_t *)left, b = *(const int32_t *)right;
     return (a > b) - (a < b);
 }
 
-static node_set *find_set(const palp_mesh *mesh, const char *name) {
+static node_set *find_node_set_by_name(const palp_mesh *mesh, const char *name) {
     for (size_t i = 0; i < mesh->n_sets; i++)
         if (strcmp(mesh->sets[i].name, name) == 0)
             return &mesh->sets[i];
@@ -262,16 +262,16 @@ palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const
     for (size_t i = 0; i < n; i++)
         if (nodes[i] < 0 || (size_t)nodes[i] >= mesh->n_nodes)
             return PALP_ERR_ARGUMENT;
-    node_set set = {.name = copy_of(mesh, strlen(name) + 1, 1, name),
+    node_set set = {.name = copy_into_mesh_memory(mesh, strlen(name) + 1, 1, name),
                     .nodes = arena_take(&mesh->memory, n, sizeof *nodes)};
-    node_set *old = find_set(mesh, name);
+    node_set *old = find_node_set_by_name(mesh, name);
     node_set *sets = old ? mesh->sets : realloc(mesh->sets, (mesh->n_sets + 1) * sizeof *sets);
     mesh->sets = sets ? sets : mesh->sets;
     if (!set.name || !set.nodes || !sets)
         return PALP_ERR_NO_MEMORY;
     if (n > 0)
         memcpy(set.nodes, nodes, n * sizeof *nodes);
-    qsort(set.nodes, n, sizeof *nodes, compare_nodes);
+    qsort(set.nodes, n, sizeof *nodes, compare_node_indices);
     for (size_t i = 0; i < n; i++)
         if (i == 0 || set.nodes[i] != set.nodes[set.n - 1])
             set.nodes[set.n++] = set.nodes[i];
@@ -301,7 +301,7 @@ palp_status palp_mesh_add_plane_set(palp_mesh *mesh, const char *name, int axis,
 palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, const int32_t **nodes) {
     if (!mesh || !name || !n || !nodes)
         return PALP_ERR_ARGUMENT;
-    const node_set *set = find_set(mesh, name);
+    const node_set *set = find_node_set_by_name(mesh, name);
     if (!set)
         return PALP_ERR_INPUT;
     *n = set->n;
@@ -328,7 +328,7 @@ const int32_t *palp_mesh_pairs(const palp_mesh *mesh) {
 }
 
 /* Is R R' = 1, without a reflection? */
-static bool is_rotation(const double r[9]) {
+static bool is_proper_rotation(const double r[9]) {
     double volume = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
                     r[2] * (r[3] * r[7] - r[4] * r[6]);
     for (int i = 0; i < 9; i++) {
@@ -341,8 +341,8 @@ static bool is_rotation(const double r[9]) {
 }
 
 palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9], const double translation_m[3]) {
-    if (!mesh || !rotation || !translation_m || !is_rotation(rotation) || !isfinite(translation_m[0]) ||
-        !isfinite(translation_m[1]) || !isfinite(translation_m[2]))
+    if (!mesh || !rotation || !translation_m || !is_proper_rotation(rotation) ||
+        !isfinite(translation_m[0]) || !isfinite(translation_m[1]) || !isfinite(translation_m[2]))
         return PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < mesh->n_nodes; i++) {
         double *x = mesh->x_m + 3 * i;
@@ -358,10 +358,10 @@ palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9], const
 void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]) {
     if (!mesh || !low_m || !high_m)
         return;
-    box(mesh->n_nodes, mesh->x_m, low_m, high_m);
+    bounding_box_of_nodes(mesh->n_nodes, mesh->x_m, low_m, high_m);
 }
 
-static const int32_t *sorted_pair(const palp_mesh *mesh, size_t i) {
+static const int32_t *element_pair_in_order(const palp_mesh *mesh, size_t i) {
     return mesh->pairs + 2 * (mesh->order ? mesh->order[i] : i);
 }
 
@@ -370,14 +370,14 @@ size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b) {
     size_t first = 0, last = mesh->n_elements;
     while (first < last) {
         size_t middle = (first + last) / 2;
-        const int32_t *pair = sorted_pair(mesh, middle);
+        const int32_t *pair = element_pair_in_order(mesh, middle);
         if (pair[0] < low || (pair[0] == low && pair[1] < high))
             first = middle + 1;
         else
             last = middle;
     }
-    if (first == mesh->n_elements || sorted_pair(mesh, first)[0] != low ||
-        sorted_pair(mesh, first)[1] != high)
+    if (first == mesh->n_elements || element_pair_in_order(mesh, first)[0] != low ||
+        element_pair_in_order(mesh, first)[1] != high)
         return mesh->n_elements;
     return mesh->order ? mesh->order[first] : first;
 }

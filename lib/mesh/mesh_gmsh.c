@@ -10,7 +10,7 @@
 
 /* Is there an element between nodes a < b of a cell? In tetrahedra between every pair. In hexahedra along the
  * edges, bit b of edges[a]; with diagonals between every pair too. */
-static bool joined(const gmsh_cell *cell, bool diagonals, int a, int b) {
+static bool are_cell_nodes_joined(const gmsh_cell *cell, bool diagonals, int a, int b) {
     static const unsigned char edges[GMSH_CELL_NODES] = {
         1 << 1 | 1 << 3 | 1 << 4, 1 << 2 | 1 << 5, 1 << 3 | 1 << 6, 1 << 7,
         1 << 5 | 1 << 7,          1 << 6,          1 << 7,          0};
@@ -18,7 +18,7 @@ static bool joined(const gmsh_cell *cell, bool diagonals, int a, int b) {
 }
 
 /* Numbers the nodes of cells in the order of their tags; returns their number. */
-static size_t number_nodes(gmsh_file *r) {
+static size_t number_nodes_of_cells(gmsh_file *r) {
     gmsh_node *nodes = r->nodes.items;
     const gmsh_cell *cells = r->cells.items;
     size_t n = 0;
@@ -31,7 +31,7 @@ static size_t number_nodes(gmsh_file *r) {
     return n;
 }
 
-static size_t count_pairs(const gmsh_file *r, bool diagonals) {
+static size_t count_pairs_of_cells(const gmsh_file *r, bool diagonals) {
     const gmsh_cell *cells = r->cells.items;
     size_t n = 0;
     for (size_t c = 0; c < r->cells.n; c++)
@@ -39,7 +39,7 @@ static size_t count_pairs(const gmsh_file *r, bool diagonals) {
     return n;
 }
 
-static void fill_positions(const gmsh_file *r, palp_mesh *mesh) {
+static void copy_node_positions(const gmsh_file *r, palp_mesh *mesh) {
     const gmsh_node *nodes = r->nodes.items;
     for (size_t i = 0; i < r->nodes.n; i++)
         if (nodes[i].index >= 0)
@@ -47,12 +47,12 @@ static void fill_positions(const gmsh_file *r, palp_mesh *mesh) {
 }
 
 /* Writes the pairs of one cell at *pair and moves *pair behind them. */
-static palp_status fill_cell(const gmsh_file *r, const gmsh_cell *cell, bool diagonals, double size_m,
-                             int32_t **pair) {
+static palp_status append_pairs_of_cell(const gmsh_file *r, const gmsh_cell *cell, bool diagonals,
+                                        double size_m, int32_t **pair) {
     const gmsh_node *nodes = r->nodes.items;
     for (int a = 0; a < cell->n; a++)
         for (int b = a + 1; b < cell->n; b++) {
-            if (!joined(cell, diagonals, a, b))
+            if (!are_cell_nodes_joined(cell, diagonals, a, b))
                 continue;
             const gmsh_node *from = &nodes[cell->node[a]], *to = &nodes[cell->node[b]];
             if (!mesh_length_ok(from->x_m, to->x_m, size_m))
@@ -65,14 +65,14 @@ static palp_status fill_cell(const gmsh_file *r, const gmsh_cell *cell, bool dia
     return PALP_OK;
 }
 
-static palp_status fill_pairs(const gmsh_file *r, bool diagonals, palp_mesh *mesh) {
+static palp_status append_pairs_of_all_cells(const gmsh_file *r, bool diagonals, palp_mesh *mesh) {
     const gmsh_cell *cells = r->cells.items;
     double size_m = mesh_diagonal(mesh->n_nodes, mesh->x_m);
     int32_t *pair = mesh->pairs;
     if (!isfinite(size_m))
         return gmsh_fail(r, r->elements_line, "the mesh is too large");
     for (size_t c = 0; c < r->cells.n; c++) {
-        palp_status status = fill_cell(r, &cells[c], diagonals, size_m, &pair);
+        palp_status status = append_pairs_of_cell(r, &cells[c], diagonals, size_m, &pair);
         if (status)
             return status;
     }
@@ -82,13 +82,13 @@ static palp_status fill_pairs(const gmsh_file *r, bool diagonals, palp_mesh *mes
     return PALP_OK;
 }
 
-static int compare_nodes(const void *left, const void *right) {
+static int compare_node_indices(const void *left, const void *right) {
     int32_t a = *(const int32_t *)left, b = *(const int32_t *)right;
     return (a > b) - (a < b);
 }
 
 /* Orders cells by their nodes, then by line. */
-static int compare_cells(const void *left, const void *right) {
+static int compare_cells_by_nodes(const void *left, const void *right) {
     const gmsh_cell *a = left, *b = right;
     for (int i = 0; i < GMSH_CELL_NODES; i++)
         if (a->node[i] != b->node[i])
@@ -96,7 +96,7 @@ static int compare_cells(const void *left, const void *right) {
     return (a->line > b->line) - (a->line < b->line);
 }
 
-static palp_status refuse_repeats(const gmsh_file *r) {
+static palp_status refuse_repeated_cells(const gmsh_file *r) {
     gmsh_cell *sorted = malloc(r->cells.n * sizeof *sorted);
     if (!sorted)
         return gmsh_no_memory(r);
@@ -104,9 +104,9 @@ static palp_status refuse_repeats(const gmsh_file *r) {
     for (size_t c = 0; c < r->cells.n; c++) {
         for (int i = sorted[c].n; i < GMSH_CELL_NODES; i++)
             sorted[c].node[i] = INT32_MAX;
-        qsort(sorted[c].node, GMSH_CELL_NODES, sizeof *sorted[c].node, compare_nodes);
+        qsort(sorted[c].node, GMSH_CELL_NODES, sizeof *sorted[c].node, compare_node_indices);
     }
-    qsort(sorted, r->cells.n, sizeof *sorted, compare_cells);
+    qsort(sorted, r->cells.n, sizeof *sorted, compare_cells_by_nodes);
     palp_status status = PALP_OK;
     for (size_t c = 1; c < r->cells.n && !status; c++)
         if (memcmp(sorted[c].node, sorted[c - 1].node, sizeof sorted[c].node) == 0)
@@ -117,7 +117,7 @@ static palp_status refuse_repeats(const gmsh_file *r) {
 }
 
 /* Is the volume rounding, compared with the cube of the longest edge from the first node? */
-static bool is_flat(const double *x, const int32_t node[4]) {
+static bool is_tetrahedron_flat(const double *x, const int32_t node[4]) {
     double longest = 0.0;
     for (int i = 1; i < 4; i++) {
         const double *a = x + 3 * (size_t)node[0], *b = x + 3 * (size_t)node[i];
@@ -126,7 +126,7 @@ static bool is_flat(const double *x, const int32_t node[4]) {
     return fabs(mesh_volume6(x, node)) <= 1e-12 * longest * longest * longest;
 }
 
-static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
+static palp_status copy_cells_as_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
     const gmsh_cell *cells = r->cells.items;
     const gmsh_node *nodes = r->nodes.items;
     size_t n = 0;
@@ -141,26 +141,26 @@ static palp_status fill_tetrahedra(const gmsh_file *r, palp_mesh *mesh) {
         for (int i = 0; i < cells[c].n; i++)
             node[i] = nodes[cells[c].node[i]].index;
         mesh_split_cell(mesh, cells[c].n, node);
-        if (cells[c].n == 4 && is_flat(mesh->x_m, node))
+        if (cells[c].n == 4 && is_tetrahedron_flat(mesh->x_m, node))
             return gmsh_fail(r, cells[c].line, "a flat tetrahedron: its nodes lie in one plane");
     }
     return mesh_add_surface(mesh) ? gmsh_no_memory(r) : PALP_OK;
 }
 
-static const gmsh_node *node_of_index(const gmsh_file *r, size_t index) {
+static const gmsh_node *find_node_with_index(const gmsh_file *r, size_t index) {
     const gmsh_node *node = r->nodes.items;
     while (node->index < 0 || (size_t)node->index != index)
         node++;
     return node;
 }
 
-static palp_status check_connected(const gmsh_file *r, const palp_mesh *mesh) {
+static palp_status check_mesh_is_connected(const gmsh_file *r, const palp_mesh *mesh) {
     size_t parts, other;
     if (mesh_part_away(mesh, &parts, &other))
         return gmsh_no_memory(r);
     if (parts == 1)
         return PALP_OK;
-    const gmsh_node *from = node_of_index(r, 0), *to = node_of_index(r, other);
+    const gmsh_node *from = find_node_with_index(r, 0), *to = find_node_with_index(r, other);
     return gmsh_fail(r, to->line,
                      "the mesh falls into %zu parts: no elements lead from node %lld to node %lld", parts,
                      from->tag, to->tag);
@@ -168,7 +168,7 @@ static palp_status check_connected(const gmsh_file *r, const palp_mesh *mesh) {
 
 /* ---- sets ---------------------------------------------------------------------------------------- */
 
-static int compare_members(const void *left, const void *right) {
+static int compare_group_members(const void *left, const void *right) {
     const gmsh_member *a = left, *b = right;
     if (a->group != b->group)
         return a->group < b->group ? -1 : 1;
@@ -177,7 +177,7 @@ static int compare_members(const void *left, const void *right) {
 
 /* Adds the group of the members from *first on and moves *first behind them. A group without nodes in the
  * mesh gives no set. */
-static palp_status add_group(const gmsh_file *r, palp_mesh *mesh, int32_t *set, size_t *first) {
+static palp_status add_node_set_of_group(const gmsh_file *r, palp_mesh *mesh, int32_t *set, size_t *first) {
     const gmsh_member *members = r->members.items;
     const gmsh_node *nodes = r->nodes.items;
     size_t group = members[*first].group, n = 0;
@@ -189,19 +189,19 @@ static palp_status add_group(const gmsh_file *r, palp_mesh *mesh, int32_t *set, 
     return n > 0 ? palp_mesh_add_set(mesh, ((gmsh_group *)r->groups.items)[group].name, n, set) : PALP_OK;
 }
 
-static palp_status add_groups(const gmsh_file *r, palp_mesh *mesh) {
+static palp_status add_node_sets_of_groups(const gmsh_file *r, palp_mesh *mesh) {
     int32_t *set = malloc(mesh->n_nodes * sizeof *set);
     palp_status status = set ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status && r->members.n > 0)
-        qsort(r->members.items, r->members.n, sizeof(gmsh_member), compare_members);
+        qsort(r->members.items, r->members.n, sizeof(gmsh_member), compare_group_members);
     for (size_t i = 0; i < r->members.n && !status;)
-        status = add_group(r, mesh, set, &i);
+        status = add_node_set_of_group(r, mesh, set, &i);
     free(set);
     return status;
 }
 
 /* Adds the lowest or highest nodes in y as a set, unless the file has a group of that name. */
-static palp_status add_end(const gmsh_file *r, palp_mesh *mesh, const char *name, bool top) {
+static palp_status add_missing_end_set(const gmsh_file *r, palp_mesh *mesh, const char *name, bool top) {
     const gmsh_group *groups = r->groups.items;
     double low[3], high[3];
     for (size_t g = 0; g < r->groups.n; g++)
@@ -211,35 +211,35 @@ static palp_status add_end(const gmsh_file *r, palp_mesh *mesh, const char *name
     return palp_mesh_add_plane_set(mesh, name, 1, top ? high[1] : low[1], 1e-6 * (high[1] - low[1]));
 }
 
-static palp_status add_sets(const gmsh_file *r, palp_mesh *mesh) {
-    palp_status status = add_groups(r, mesh);
+static palp_status add_all_node_sets(const gmsh_file *r, palp_mesh *mesh) {
+    palp_status status = add_node_sets_of_groups(r, mesh);
     if (!status)
-        status = add_end(r, mesh, "bottom", false);
+        status = add_missing_end_set(r, mesh, "bottom", false);
     if (!status)
-        status = add_end(r, mesh, "top", true);
+        status = add_missing_end_set(r, mesh, "top", true);
     return status ? gmsh_no_memory(r) : PALP_OK;
 }
 
 /* ---- the mesh ------------------------------------------------------------------------------------ */
 
-static palp_status build(gmsh_file *r, bool diagonals, palp_mesh **mesh) {
+static palp_status build_mesh_from_gmsh(gmsh_file *r, bool diagonals, palp_mesh **mesh) {
     palp_mesh *m = NULL;
     if (r->cells.n == 0)
         return gmsh_fail(r, r->elements_line,
                          "there are no 4-node tetrahedra (type 4) or 8-node hexahedra (type 5)");
-    size_t n_nodes = number_nodes(r);
-    if (mesh_new(n_nodes, count_pairs(r, diagonals), &m))
+    size_t n_nodes = number_nodes_of_cells(r);
+    if (mesh_new(n_nodes, count_pairs_of_cells(r, diagonals), &m))
         return gmsh_no_memory(r);
-    fill_positions(r, m);
-    palp_status status = fill_pairs(r, diagonals, m);
+    copy_node_positions(r, m);
+    palp_status status = append_pairs_of_all_cells(r, diagonals, m);
     if (!status)
-        status = refuse_repeats(r);
+        status = refuse_repeated_cells(r);
     if (!status)
-        status = check_connected(r, m);
+        status = check_mesh_is_connected(r, m);
     if (!status)
-        status = fill_tetrahedra(r, m);
+        status = copy_cells_as_tetrahedra(r, m);
     if (!status)
-        status = add_sets(r, m);
+        status = add_all_node_sets(r, m);
     if (status)
         palp_mesh_free(m);
     else
@@ -257,7 +257,7 @@ palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diago
         return gmsh_no_memory(&r);
     palp_status status = gmsh_read(&r);
     if (!status)
-        status = build(&r, hex_diagonals, mesh);
+        status = build_mesh_from_gmsh(&r, hex_diagonals, mesh);
     gmsh_release(&r);
     palp_locale_leave(&locale);
     return status;

@@ -35,7 +35,7 @@ palp_status gmsh_append(const gmsh_file *r, gmsh_list *l, size_t size, void **it
     return PALP_OK;
 }
 
-static bool is_space(char c) {
+static bool is_white_space(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
@@ -45,9 +45,9 @@ bool gmsh_next(gmsh_file *r) {
         stop = stop ? stop : r->end;
         r->next = stop < r->end ? stop + 1 : r->end;
         r->line++;
-        while (line < stop && is_space(*line))
+        while (line < stop && is_white_space(*line))
             line++;
-        while (stop > line && is_space(stop[-1]))
+        while (stop > line && is_white_space(stop[-1]))
             stop--;
         *stop = '\0'; /* at the end of the file there is a NUL already */
         r->at = line;
@@ -69,7 +69,7 @@ palp_status gmsh_fail_token(const gmsh_file *r, const char *expected) {
 }
 
 void gmsh_skip(gmsh_file *r) {
-    while (is_space(*r->at))
+    while (is_white_space(*r->at))
         r->at++;
 }
 
@@ -78,7 +78,7 @@ palp_status gmsh_integer(gmsh_file *r, const char *what, long long low, long lon
     char *stop;
     errno = 0;
     long long n = strtoll(r->at, &stop, 10);
-    if (stop == r->at || (*stop && !is_space(*stop)))
+    if (stop == r->at || (*stop && !is_white_space(*stop)))
         return gmsh_fail_token(r, what);
     if (errno == ERANGE || n < low || n > high)
         return gmsh_fail(r, r->line, "%s of %.*s is out of range", what,
@@ -98,7 +98,7 @@ palp_status gmsh_count(gmsh_file *r, const char *what, size_t *count) {
 palp_status gmsh_number(gmsh_file *r, const char *what, double *value) {
     gmsh_skip(r);
     const char *stop = palp_number_parse(r->at, value);
-    if (!stop || (*stop && !is_space(*stop)))
+    if (!stop || (*stop && !is_white_space(*stop)))
         return gmsh_fail_token(r, what);
     if (!isfinite(*value))
         return gmsh_fail(r, r->line, "%s is out of range", what);

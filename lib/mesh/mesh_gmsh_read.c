@@ -8,7 +8,7 @@
 
 /* ---- the format, groups and entities ------------------------------------------------------------- */
 
-static palp_status read_format(gmsh_file *r) {
+static palp_status read_mesh_format(gmsh_file *r) {
     double version = 0.0;
     long long binary = 0;
     palp_status status = gmsh_line(r);
@@ -25,7 +25,7 @@ static palp_status read_format(gmsh_file *r) {
     return status;
 }
 
-static palp_status read_group(gmsh_file *r) {
+static palp_status read_physical_name(gmsh_file *r) {
     gmsh_group g = {0, 0, NULL};
     palp_status status = gmsh_line(r);
     if (!status)
@@ -47,18 +47,18 @@ static palp_status read_group(gmsh_file *r) {
     return status;
 }
 
-static palp_status read_groups(gmsh_file *r) {
+static palp_status read_physical_names(gmsh_file *r) {
     size_t count = 0;
     palp_status status = gmsh_line(r);
     if (!status)
         status = gmsh_count(r, "a number of names", &count);
     for (size_t i = 0; i < count && !status; i++)
-        status = read_group(r);
+        status = read_physical_name(r);
     return status;
 }
 
 /* One entity: its tag, its box (a point: its position) and its physical groups; its boundary is skipped. */
-static palp_status read_entity(gmsh_file *r, long long dim) {
+static palp_status read_geometric_entity(gmsh_file *r, long long dim) {
     long long tag = 0, physical = 0;
     double box;
     size_t count = 0;
@@ -80,21 +80,21 @@ static palp_status read_entity(gmsh_file *r, long long dim) {
     return status;
 }
 
-static palp_status read_entities(gmsh_file *r) {
+static palp_status read_geometric_entities(gmsh_file *r) {
     size_t count[4] = {0, 0, 0, 0};
     palp_status status = gmsh_line(r);
     for (int dim = 0; dim < 4 && !status; dim++)
         status = gmsh_count(r, "a number of entities", &count[dim]);
     for (int dim = 0; dim < 4 && !status; dim++)
         for (size_t i = 0; i < count[dim] && !status; i++)
-            status = read_entity(r, dim);
+            status = read_geometric_entity(r, dim);
     return status;
 }
 
 /* ---- nodes --------------------------------------------------------------------------------------- */
 
 /* The line "blocks total lowest-tag highest-tag" of $Nodes and $Elements. */
-static palp_status read_totals(gmsh_file *r, size_t *blocks, size_t *total) {
+static palp_status read_section_totals(gmsh_file *r, size_t *blocks, size_t *total) {
     long long tag;
     palp_status status = gmsh_line(r);
     if (!status)
@@ -107,8 +107,8 @@ static palp_status read_totals(gmsh_file *r, size_t *blocks, size_t *total) {
 }
 
 /* The line "dimension entity third count" of a block. */
-static palp_status read_block(gmsh_file *r, gmsh_entity *of, const char *what, long long third_max,
-                              long long *third, size_t *count) {
+static palp_status read_block_header(gmsh_file *r, gmsh_entity *of, const char *what, long long third_max,
+                                     long long *third, size_t *count) {
     palp_status status = gmsh_line(r);
     if (!status)
         status = gmsh_integer(r, "a dimension", 0, 3, &of->dim);
@@ -121,7 +121,7 @@ static palp_status read_block(gmsh_file *r, gmsh_entity *of, const char *what, l
     return status ? status : gmsh_line_end(r);
 }
 
-static palp_status read_node_tag(gmsh_file *r) {
+static palp_status read_node_tag_line(gmsh_file *r) {
     long long tag = 0;
     void *item = NULL;
     palp_status status = gmsh_line(r);
@@ -151,11 +151,11 @@ static palp_status read_node_block(gmsh_file *r, size_t total) {
     gmsh_entity of = {0, 0, 0};
     long long parametric = 0;
     size_t count = 0, first = r->nodes.n;
-    palp_status status = read_block(r, &of, "a parametric flag (0 or 1)", 1, &parametric, &count);
+    palp_status status = read_block_header(r, &of, "a parametric flag (0 or 1)", 1, &parametric, &count);
     if (!status && count > total - first)
         return gmsh_fail(r, r->line, "more nodes than the %zu that $Nodes announces", total);
     for (size_t i = 0; i < count && !status; i++)
-        status = read_node_tag(r);
+        status = read_node_tag_line(r);
     for (size_t i = 0; i < count && !status; i++)
         status = read_node_place(r, parametric != 0, (gmsh_node *)r->nodes.items + first + i);
     return status;
@@ -169,7 +169,7 @@ static int compare_node_tags(const void *left, const void *right) {
 }
 
 /* Sorts the nodes by tag: tags are found by bisection, and numbering does not depend on blocks. */
-static palp_status sort_nodes(gmsh_file *r) {
+static palp_status sort_nodes_by_tag(gmsh_file *r) {
     gmsh_node *nodes = r->nodes.items;
     const gmsh_node *again = NULL;
     if (r->nodes.n > 0)
@@ -180,21 +180,21 @@ static palp_status sort_nodes(gmsh_file *r) {
     return again ? gmsh_fail(r, again->line, "node tag %lld is given a second time", again->tag) : PALP_OK;
 }
 
-static palp_status read_nodes(gmsh_file *r) {
+static palp_status read_nodes_section(gmsh_file *r) {
     size_t blocks = 0, total = 0;
-    palp_status status = read_totals(r, &blocks, &total);
+    palp_status status = read_section_totals(r, &blocks, &total);
     for (size_t i = 0; i < blocks && !status; i++)
         status = read_node_block(r, total);
     if (!status && r->nodes.n < total)
         return gmsh_fail(r, r->line, "%zu nodes, but $Nodes announces %zu", r->nodes.n, total);
-    return status ? status : sort_nodes(r);
+    return status ? status : sort_nodes_by_tag(r);
 }
 
 /* ---- elements ------------------------------------------------------------------------------------ */
 
 /* Number of nodes of the element types that are read, 0 for others. Volumes are tetrahedra and hexahedra of
  * first order. Points, lines and faces, which only define groups, have all common types. */
-static int type_nodes(long long type) {
+static int node_count_of_type(long long type) {
     static const signed char nodes[] = {
         [1] = 2,   [2] = 3,   [3] = 4,  [4] = 4,  [5] = 8,   [8] = 3,   [9] = 6,
         [10] = 9,  [15] = 1,  [16] = 8, [20] = 9, [21] = 10, [22] = 12, [23] = 15,
@@ -205,7 +205,7 @@ static int type_nodes(long long type) {
 enum { TYPE_NODES_MAX = 21 };
 
 /* The first group of the same name: one node set for all dimensions. */
-static size_t group_of_name(const gmsh_file *r, const char *name) {
+static size_t find_group_of_same_name(const gmsh_file *r, const char *name) {
     const gmsh_group *groups = r->groups.items;
     size_t i = 0;
     while (strcmp(groups[i].name, name) != 0)
@@ -214,7 +214,7 @@ static size_t group_of_name(const gmsh_file *r, const char *name) {
 }
 
 /* Lists the named groups of an entity in block_groups. */
-static palp_status find_groups(gmsh_file *r, const gmsh_entity *of) {
+static palp_status find_groups_of_entity(gmsh_file *r, const gmsh_entity *of) {
     const gmsh_group *groups = r->groups.items;
     const gmsh_entity *entities = r->entities.items;
     palp_status status = PALP_OK;
@@ -227,7 +227,7 @@ static palp_status find_groups(gmsh_file *r, const gmsh_entity *of) {
                 continue;
             status = gmsh_append(r, &r->block_groups, sizeof(size_t), &item);
             if (!status)
-                *(size_t *)item = group_of_name(r, groups[g].name);
+                *(size_t *)item = find_group_of_same_name(r, groups[g].name);
         }
     return status;
 }
@@ -252,7 +252,7 @@ static palp_status read_element_node(gmsh_file *r, int32_t *place) {
     return PALP_OK;
 }
 
-static palp_status check_repeats(const gmsh_file *r, int n, const int32_t *place) {
+static palp_status check_repeated_nodes(const gmsh_file *r, int n, const int32_t *place) {
     const gmsh_node *nodes = r->nodes.items;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
@@ -262,7 +262,7 @@ static palp_status check_repeats(const gmsh_file *r, int n, const int32_t *place
 }
 
 /* Keeps an element: a cell as such, and its nodes as members of the block's groups. */
-static palp_status keep_element(gmsh_file *r, bool is_cell, int n, const int32_t *place) {
+static palp_status store_element_and_members(gmsh_file *r, bool is_cell, int n, const int32_t *place) {
     void *item = NULL;
     palp_status status = PALP_OK;
     if (is_cell)
@@ -281,7 +281,7 @@ static palp_status keep_element(gmsh_file *r, bool is_cell, int n, const int32_t
     return status;
 }
 
-static palp_status read_element(gmsh_file *r, bool is_cell, int n) {
+static palp_status read_element_line(gmsh_file *r, bool is_cell, int n) {
     long long tag;
     int32_t place[TYPE_NODES_MAX];
     palp_status status = gmsh_line(r);
@@ -292,18 +292,18 @@ static palp_status read_element(gmsh_file *r, bool is_cell, int n) {
     if (!status)
         status = gmsh_line_end(r);
     if (!status)
-        status = check_repeats(r, n, place);
-    return status ? status : keep_element(r, is_cell, n, place);
+        status = check_repeated_nodes(r, n, place);
+    return status ? status : store_element_and_members(r, is_cell, n, place);
 }
 
 static palp_status read_element_block(gmsh_file *r, size_t *left) {
     gmsh_entity of = {0, 0, 0};
     long long type = 0;
     size_t count = 0;
-    palp_status status = read_block(r, &of, "an element type", INT32_MAX, &type, &count);
+    palp_status status = read_block_header(r, &of, "an element type", INT32_MAX, &type, &count);
     if (status)
         return status;
-    int n = type_nodes(type);
+    int n = node_count_of_type(type);
     if (n == 0)
         return gmsh_fail(r, r->line,
                          "elements of type %lld are not read: mesh the volume with 4-node tetrahedra "
@@ -312,16 +312,16 @@ static palp_status read_element_block(gmsh_file *r, size_t *left) {
     if (count > *left)
         return gmsh_fail(r, r->line, "more elements than $Elements announces");
     *left -= count;
-    status = find_groups(r, &of);
+    status = find_groups_of_entity(r, &of);
     for (size_t i = 0; i < count && !status; i++)
-        status = read_element(r, type == 4 || type == 5, n);
+        status = read_element_line(r, type == 4 || type == 5, n);
     return status;
 }
 
-static palp_status read_elements(gmsh_file *r) {
+static palp_status read_elements_section(gmsh_file *r) {
     size_t blocks = 0, left = 0;
     r->elements_line = r->line;
-    palp_status status = read_totals(r, &blocks, &left);
+    palp_status status = read_section_totals(r, &blocks, &left);
     for (size_t i = 0; i < blocks && !status; i++)
         status = read_element_block(r, &left);
     if (!status && left > 0)
@@ -343,26 +343,26 @@ typedef struct section {
 enum { FORMAT, GROUPS, ENTITIES, PARTITIONS, NODES, ELEMENTS, SECTIONS };
 
 static const section sections[SECTIONS] = {
-    {"$MeshFormat", read_format}, {"$PhysicalNames", read_groups},
-    {"$Entities", read_entities}, {"$PartitionedEntities", refuse_partitions},
-    {"$Nodes", read_nodes},       {"$Elements", read_elements},
+    {"$MeshFormat", read_mesh_format},      {"$PhysicalNames", read_physical_names},
+    {"$Entities", read_geometric_entities}, {"$PartitionedEntities", refuse_partitions},
+    {"$Nodes", read_nodes_section},         {"$Elements", read_elements_section},
 };
 
-static bool section_ends(const gmsh_file *r) {
+static bool is_section_end_line(const gmsh_file *r) {
     return strncmp(r->at, "$End", 4) == 0 && strcmp(r->at + 4, r->section + 1) == 0;
 }
 
 /* The line that ends a section; the lines of an unknown section are skipped. */
-static palp_status read_end(gmsh_file *r, bool known) {
+static palp_status read_section_end(gmsh_file *r, bool known) {
     palp_status status = gmsh_line(r);
-    while (!status && !section_ends(r) && !known)
+    while (!status && !is_section_end_line(r) && !known)
         status = gmsh_line(r);
-    if (!status && !section_ends(r))
+    if (!status && !is_section_end_line(r))
         return gmsh_fail(r, r->line, "$End%s is expected, not '%.40s'", r->section + 1, r->at);
     return status;
 }
 
-static palp_status check_order(const gmsh_file *r, int i) {
+static palp_status check_section_order(const gmsh_file *r, int i) {
     if (i != FORMAT && !(r->seen & 1u << FORMAT))
         return gmsh_fail(r, r->line, "$MeshFormat is expected before %s", sections[i].name);
     if (r->seen & 1u << i)
@@ -374,7 +374,7 @@ static palp_status check_order(const gmsh_file *r, int i) {
     return PALP_OK;
 }
 
-static palp_status read_section(gmsh_file *r) {
+static palp_status read_one_section(gmsh_file *r) {
     int i = 0;
     if (r->at[0] != '$' || strlen(r->at) >= sizeof r->section)
         return gmsh_fail(r, r->line, "a section such as $Nodes is expected, not '%.40s'", r->at);
@@ -382,16 +382,16 @@ static palp_status read_section(gmsh_file *r) {
     while (i < SECTIONS && strcmp(sections[i].name, r->section) != 0)
         i++;
     if (i == SECTIONS)
-        return read_end(r, false);
-    palp_status status = check_order(r, i);
+        return read_section_end(r, false);
+    palp_status status = check_section_order(r, i);
     r->seen |= 1u << i;
     if (!status)
         status = sections[i].read(r);
-    return status ? status : read_end(r, true);
+    return status ? status : read_section_end(r, true);
 }
 
 /* A NUL would be taken for the end of a line. */
-static void replace_nuls(char *text, size_t size) {
+static void replace_nul_characters(char *text, size_t size) {
     for (char *nul = memchr(text, '\0', size); nul; nul = memchr(nul, '\0', size - (size_t)(nul - text)))
         *nul = '?';
 }
@@ -401,11 +401,11 @@ palp_status gmsh_read(gmsh_file *r) {
     palp_status status = palp_file_read(r->path, &r->text, &size, r->error);
     if (status)
         return status;
-    replace_nuls(r->text, size);
+    replace_nul_characters(r->text, size);
     r->next = r->text;
     r->end = r->text + size;
     while (!status && gmsh_next(r))
-        status = read_section(r);
+        status = read_one_section(r);
     for (int i = FORMAT; i < SECTIONS && !status; i++)
         if ((i == FORMAT || i >= NODES) && !(r->seen & 1u << i))
             status = gmsh_fail(r, r->line, "the file ends without %s", sections[i].name);

@@ -23,7 +23,7 @@ static const double SHORTEST = 0.2; /* element across a face, of the face's long
 
 /* Volume; area[i] = three times the volume's derivative by corner i, i.e. volume times its shape function's
  * gradient is area[i] / 3. */
-static double measure(const palp_mesh *mesh, const int32_t t[4], double area[4][3]) {
+static double tetrahedron_volume_and_areas(const palp_mesh *mesh, const int32_t t[4], double area[4][3]) {
     const double *x = mesh->x_m;
     double u[3][3], volume = 0.0;
     for (size_t i = 0; i < 3; i++)
@@ -48,7 +48,7 @@ double mesh_volume(const palp_mesh *mesh, double *node_m3) {
         node_m3[i] = 0.0;
     for (size_t i = 0; i < mesh->n_tetrahedra; i++) {
         const int32_t *t = mesh->tetrahedra + 4 * i;
-        double volume = measure(mesh, t, area);
+        double volume = tetrahedron_volume_and_areas(mesh, t, area);
         total += volume;
         for (size_t c = 0; c < 4 && node_m3; c++)
             node_m3[t[c]] += 0.25 * volume;
@@ -59,7 +59,7 @@ double mesh_volume(const palp_mesh *mesh, double *node_m3) {
 /* ---- elements across faces ----------------------------------------------------------------------- */
 
 /* The corner of b that is none of a's. */
-static int32_t other_corner(const int32_t a[4], const int32_t b[4]) {
+static int32_t corner_of_other_tetrahedron(const int32_t a[4], const int32_t b[4]) {
     for (size_t i = 0; i < 4; i++)
         if (b[i] != a[0] && b[i] != a[1] && b[i] != a[2] && b[i] != a[3])
             return b[i];
@@ -68,7 +68,8 @@ static int32_t other_corner(const int32_t a[4], const int32_t b[4]) {
 
 /* Nodes opposite face f of tetrahedron i and of its neighbour there; false where there is no neighbour, at a
  * face that was seen from the other side, or where they are too close. */
-static bool across(const palp_mesh *mesh, const int32_t *neighbour, size_t i, size_t f, int32_t pair[2]) {
+static bool nodes_across_shared_face(const palp_mesh *mesh, const int32_t *neighbour, size_t i, size_t f,
+                                     int32_t pair[2]) {
     const int32_t *t = mesh->tetrahedra + 4 * i;
     int32_t beyond = neighbour[4 * i + f], face[3];
     double n[3], longest = 0.0;
@@ -77,20 +78,20 @@ static bool across(const palp_mesh *mesh, const int32_t *neighbour, size_t i, si
     mesh_face(t, f, face);
     for (size_t k = 0; k < 3; k++)
         longest = fmax(longest, mesh_direction(mesh, (int32_t[]){face[k], face[(k + 1) % 3]}, n));
-    int32_t a = t[f], b = other_corner(t, mesh->tetrahedra + 4 * (size_t)beyond);
+    int32_t a = t[f], b = corner_of_other_tetrahedron(t, mesh->tetrahedra + 4 * (size_t)beyond);
     pair[0] = a < b ? a : b;
     pair[1] = a < b ? b : a;
     return mesh_direction(mesh, pair, n) > SHORTEST * longest;
 }
 
-static palp_status join_across(palp_mesh *mesh, const int32_t *neighbour) {
+static palp_status add_pairs_across_faces(palp_mesh *mesh, const int32_t *neighbour) {
     size_t n = mesh->n_elements;
     int32_t *pairs = malloc(2 * (n + 2 * mesh->n_tetrahedra) * sizeof *pairs);
     if (!pairs)
         return PALP_ERR_NO_MEMORY;
     memcpy(pairs, mesh->pairs, 2 * n * sizeof *pairs);
     for (size_t i = 0; i < 4 * mesh->n_tetrahedra; i++)
-        n += across(mesh, neighbour, i / 4, i % 4, pairs + 2 * n);
+        n += nodes_across_shared_face(mesh, neighbour, i / 4, i % 4, pairs + 2 * n);
     free(mesh->pairs);
     mesh->pairs = pairs;
     mesh->order = NULL;
@@ -103,7 +104,7 @@ static palp_status join_across(palp_mesh *mesh, const int32_t *neighbour) {
 static const unsigned char edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 /* Is every edge of a tetrahedron an element? */
-static bool has_edges(const palp_mesh *mesh) {
+static bool are_all_edges_elements(const palp_mesh *mesh) {
     for (size_t i = 0; i < 6 * mesh->n_tetrahedra; i++) {
         const int32_t *t = mesh->tetrahedra + 4 * (i / 6);
         if (palp_mesh_element_between(mesh, t[edge[i % 6][0]], t[edge[i % 6][1]]) == mesh->n_elements)
@@ -119,19 +120,20 @@ static void gather_volumes(const palp_mesh *mesh, const int32_t *neighbour, doub
     memset(around, 0, mesh->n_elements * sizeof *around);
     for (size_t i = 0; i < mesh->n_tetrahedra; i++) {
         const int32_t *t = mesh->tetrahedra + 4 * i;
-        double volume = measure(mesh, t, area);
+        double volume = tetrahedron_volume_and_areas(mesh, t, area);
         for (size_t k = 0; k < 6; k++)
             around[palp_mesh_element_between(mesh, t[edge[k][0]], t[edge[k][1]])] += volume;
         for (size_t f = 0; f < 4 && neighbour; f++)
-            if (across(mesh, neighbour, i, f, pair))
+            if (nodes_across_shared_face(mesh, neighbour, i, f, pair))
                 around[palp_mesh_element_between(mesh, pair[0], pair[1])] +=
-                    volume + measure(mesh, mesh->tetrahedra + 4 * (size_t)neighbour[4 * i + f], area);
+                    volume + tetrahedron_volume_and_areas(
+                                 mesh, mesh->tetrahedra + 4 * (size_t)neighbour[4 * i + f], area);
     }
 }
 
 /* ---- the fit ------------------------------------------------------------------------------------- */
 
-static void cube_of(const double n[3], double w[CUBE]) {
+static void cubic_moments_of_direction(const double n[3], double w[CUBE]) {
     for (size_t j = 0; j < CUBE; j++)
         w[j] = n[component[j][0]] * n[component[j][1]] * n[component[j][2]];
 }
@@ -142,7 +144,7 @@ static void subtract_solid(const palp_mesh *mesh, double area_m2, double *unbala
     double area[4][3];
     for (size_t i = 0; i < 4 * mesh->n_tetrahedra; i++) {
         if (i % 4 == 0)
-            measure(mesh, mesh->tetrahedra + i, area);
+            tetrahedron_volume_and_areas(mesh, mesh->tetrahedra + i, area);
         const double *a = area[i % 4];
         double *r = unbalance + CUBE * (size_t)mesh->tetrahedra[i];
         for (size_t j = 0; j < CUBE; j++) {
@@ -154,8 +156,8 @@ static void subtract_solid(const palp_mesh *mesh, double area_m2, double *unbala
     }
 }
 
-static void add_element(const palp_mesh *mesh, size_t i, double factor, const double w[CUBE],
-                        double *unbalance) {
+static void add_element_to_unbalance(const palp_mesh *mesh, size_t i, double factor, const double w[CUBE],
+                                     double *unbalance) {
     double *a = unbalance + CUBE * (size_t)mesh->pairs[2 * i],
            *b = unbalance + CUBE * (size_t)mesh->pairs[2 * i + 1];
     for (size_t j = 0; j < CUBE; j++) {
@@ -164,7 +166,7 @@ static void add_element(const palp_mesh *mesh, size_t i, double factor, const do
     }
 }
 
-static double square_of(size_t n_nodes, const double *weight, const double *unbalance) {
+static double weighted_unbalance_norm(size_t n_nodes, const double *weight, const double *unbalance) {
     double sum = 0.0;
     for (size_t i = 0; i < CUBE * n_nodes; i++)
         sum += weight[i / CUBE] * times[i % CUBE] * unbalance[i] * unbalance[i];
@@ -172,25 +174,26 @@ static double square_of(size_t n_nodes, const double *weight, const double *unba
 }
 
 /* Each element in turn takes the factor that is best for its two nodes: coordinate descent on the weighted
- * least squares; the squares of cube_of add up to 1. */
-static void sweep(palp_mesh *mesh, const double *weight, const double *least, double *unbalance) {
+ * least squares; the squares of cubic_moments_of_direction add up to 1. */
+static void minimize_factors_in_turn(palp_mesh *mesh, const double *weight, const double *least,
+                                     double *unbalance) {
     double n[3], w[CUBE];
     for (size_t i = 0; i < mesh->n_elements; i++) {
         const size_t first = (size_t)mesh->pairs[2 * i], second = (size_t)mesh->pairs[2 * i + 1];
         const double *a = unbalance + CUBE * first, *b = unbalance + CUBE * second;
         double slope = 0.0;
         mesh_direction(mesh, mesh->pairs + 2 * i, n);
-        cube_of(n, w);
+        cubic_moments_of_direction(n, w);
         for (size_t j = 0; j < CUBE; j++)
             slope += times[j] * w[j] * (weight[second] * b[j] - weight[first] * a[j]);
         double old = mesh->scale[i];
         mesh->scale[i] = fmax(least[i], old - slope / (weight[first] + weight[second]));
-        add_element(mesh, i, mesh->scale[i] - old, w, unbalance);
+        add_element_to_unbalance(mesh, i, mesh->scale[i] - old, w, unbalance);
     }
 }
 
 /* All by one factor, so that an even change of size takes the energy that it takes the solid. */
-static void match_energy(palp_mesh *mesh, double area_m2) {
+static void match_energy_of_solid(palp_mesh *mesh, double area_m2) {
     double sum = 0.0, n[3];
     for (size_t i = 0; i < mesh->n_elements; i++)
         sum += mesh->scale[i] * mesh_direction(mesh, mesh->pairs + 2 * i, n);
@@ -199,7 +202,7 @@ static void match_energy(palp_mesh *mesh, double area_m2) {
         mesh->scale[i] *= share;
 }
 
-static palp_status fit(palp_mesh *mesh, double area_m2) {
+static palp_status fit_factors_to_continuum(palp_mesh *mesh, double area_m2) {
     double *unbalance = calloc(CUBE * mesh->n_nodes, sizeof *unbalance);
     double *weight =
         malloc(mesh->n_nodes * sizeof *weight); /* of a node: 1 / its volume^(4/3), as of stress */
@@ -210,20 +213,20 @@ static palp_status fit(palp_mesh *mesh, double area_m2) {
     for (size_t i = 0; i < mesh->n_elements && ok; i++) {
         least[i] = LEAST * mesh->scale[i];
         mesh_direction(mesh, mesh->pairs + 2 * i, n);
-        cube_of(n, w);
-        add_element(mesh, i, mesh->scale[i], w, unbalance);
+        cubic_moments_of_direction(n, w);
+        add_element_to_unbalance(mesh, i, mesh->scale[i], w, unbalance);
     }
     double total = ok ? mesh_volume(mesh, weight) : 0.0;
     for (size_t i = 0; i < mesh->n_nodes && ok; i++)
         weight[i] = pow(weight[i] / total, -4.0 / 3.0);
-    double now = ok ? square_of(mesh->n_nodes, weight, unbalance) : 0.0, before = HUGE_VAL;
+    double now = ok ? weighted_unbalance_norm(mesh->n_nodes, weight, unbalance) : 0.0, before = HUGE_VAL;
     for (int i = 0; i < SWEEPS && ok && before - now > ENOUGH * now; i++) {
-        sweep(mesh, weight, least, unbalance);
+        minimize_factors_in_turn(mesh, weight, least, unbalance);
         before = now;
-        now = square_of(mesh->n_nodes, weight, unbalance);
+        now = weighted_unbalance_norm(mesh->n_nodes, weight, unbalance);
     }
     if (ok)
-        match_energy(mesh, area_m2);
+        match_energy_of_solid(mesh, area_m2);
     free(unbalance);
     free(weight);
     free(least);
@@ -243,7 +246,7 @@ static palp_status scale_by_volume(palp_mesh *mesh, double area_m2, palp_error *
                 "the element between nodes %ld and %ld has no tetrahedra of any volume around it",
                 (long)mesh->pairs[2 * i], (long)mesh->pairs[2 * i + 1]);
     }
-    match_energy(mesh, area_m2);
+    match_energy_of_solid(mesh, area_m2);
     return PALP_OK;
 }
 
@@ -255,7 +258,7 @@ static palp_status scale_tetrahedra(palp_mesh *mesh, palp_mesh_scaling scaling, 
     if (!status && continuum)
         status = mesh_neighbours(mesh, neighbour);
     if (!status && continuum)
-        status = join_across(mesh, neighbour);
+        status = add_pairs_across_faces(mesh, neighbour);
     if (!status)
         mesh->scale = arena_take(&mesh->memory, mesh->n_elements, sizeof *mesh->scale);
     if (!status && !mesh->scale)
@@ -266,7 +269,7 @@ static palp_status scale_tetrahedra(palp_mesh *mesh, palp_mesh_scaling scaling, 
     if (status)
         return palp_error_set(error, status, "the mesh's scaling: %s", palp_status_text(status));
     status = scale_by_volume(mesh, area_m2, error);
-    if (!status && continuum && fit(mesh, area_m2))
+    if (!status && continuum && fit_factors_to_continuum(mesh, area_m2))
         status = palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     return status;
 }
@@ -277,12 +280,12 @@ static palp_status scale_hexahedra(palp_mesh *mesh, double area_m2, palp_error *
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     palp_status status = mesh_scale_cells(mesh, area_m2, error);
     if (!status)
-        match_energy(mesh, area_m2);
+        match_energy_of_solid(mesh, area_m2);
     return status;
 }
 
 /* Volume over height. */
-static double mean_section(const palp_mesh *mesh) {
+static double mean_cross_section(const palp_mesh *mesh) {
     double low[3], high[3];
     palp_mesh_bounds(mesh, low, high);
     return mesh_volume(mesh, NULL) / (high[1] - low[1]);
@@ -295,11 +298,11 @@ palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double a
     if (scaling == PALP_SCALING_NONE)
         return PALP_OK;
     const bool cells = scaling == PALP_SCALING_CONTINUUM && mesh_has_cells(mesh);
-    if (!cells && (mesh->n_tetrahedra == 0 || mesh->n_hexahedra > 0 || !has_edges(mesh)))
+    if (!cells && (mesh->n_tetrahedra == 0 || mesh->n_hexahedra > 0 || !are_all_edges_elements(mesh)))
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "scaling needs a mesh of tetrahedra with elements along their edges, or, as a "
                               "continuum, one of hexahedra with elements along all their diagonals");
-    const double area = area_m2 > 0.0 ? area_m2 : mean_section(mesh);
+    const double area = area_m2 > 0.0 ? area_m2 : mean_cross_section(mesh);
     palp_status status =
         cells ? scale_hexahedra(mesh, area, error) : scale_tetrahedra(mesh, scaling, area, error);
     if (status)

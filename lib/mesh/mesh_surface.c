@@ -24,7 +24,7 @@ double mesh_volume6(const double *x, const int32_t t[4]) {
 }
 
 /* Reverses those of n tetrahedra that have negative volume. */
-static void orient(const double *x, size_t n, int32_t *t) {
+static void orient_tetrahedra(const double *x, size_t n, int32_t *t) {
     double volume = 0.0;
     for (size_t i = 0; i < n; i++)
         volume += mesh_volume6(x, t + 4 * i);
@@ -70,14 +70,14 @@ void mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node) {
         split_hexahedron(node, t);
         memcpy(mesh->hexahedra + 8 * mesh->n_hexahedra++, node, 8 * sizeof *node);
     }
-    orient(mesh->x_m, made, t);
+    orient_tetrahedra(mesh->x_m, made, t);
     mesh->n_tetrahedra += made;
 }
 
 /* ---- faces --------------------------------------------------------------------------------------- */
 
 /* The nodes of face f, ascending. */
-static void sorted_face(const int32_t *t, size_t f, int32_t node[3]) {
+static void sorted_nodes_of_face(const int32_t *t, size_t f, int32_t node[3]) {
     mesh_face(t, f, node);
     for (size_t i = 1; i < 3; i++)
         for (size_t j = i; j > 0 && node[j] < node[j - 1]; j--) {
@@ -88,7 +88,7 @@ static void sorted_face(const int32_t *t, size_t f, int32_t node[3]) {
 }
 
 /* Pairs the faces of one lowest node. face[n]: 4 tetrahedron + face; key[2 n]: their other two nodes. */
-static void pair_faces(size_t n, const int32_t *face, const int32_t *key, int32_t *neighbour) {
+static void pair_faces_of_lowest_node(size_t n, const int32_t *face, const int32_t *key, int32_t *neighbour) {
     for (size_t i = 0; i < n; i++)
         for (size_t j = i + 1; j < n && neighbour[face[i]] < 0; j++)
             if (key[2 * j] == key[2 * i] && key[2 * j + 1] == key[2 * i + 1] && neighbour[face[j]] < 0) {
@@ -106,21 +106,21 @@ palp_status mesh_neighbours(const palp_mesh *mesh, int32_t *neighbour) {
             node[3];
     bool ok = first && face && key;
     for (size_t i = 0; i < n_faces && ok; i++) { /* counting sort by lowest node */
-        sorted_face(mesh->tetrahedra + i / 4 * 4, i % 4, node);
+        sorted_nodes_of_face(mesh->tetrahedra + i / 4 * 4, i % 4, node);
         first[node[0] + 2]++;
         neighbour[i] = -1;
     }
     for (size_t i = 2; i < mesh->n_nodes + 2 && ok; i++)
         first[i] += first[i - 1];
     for (size_t i = 0; i < n_faces && ok; i++) {
-        sorted_face(mesh->tetrahedra + i / 4 * 4, i % 4, node);
+        sorted_nodes_of_face(mesh->tetrahedra + i / 4 * 4, i % 4, node);
         size_t at = first[node[0] + 1]++;
         face[at] = (int32_t)i;
         key[2 * at] = node[1];
         key[2 * at + 1] = node[2];
     }
     for (size_t i = 0; i < mesh->n_nodes && ok; i++)
-        pair_faces(first[i + 1] - first[i], face + first[i], key + 2 * first[i], neighbour);
+        pair_faces_of_lowest_node(first[i + 1] - first[i], face + first[i], key + 2 * first[i], neighbour);
     free(first);
     free(face);
     free(key);

@@ -23,8 +23,8 @@ bool palp_model_covariance_valid(size_t n, const double *c) {
 }
 
 /* Reads a square matrix, a member of root, if root has it. */
-static palp_status square_read(const palp_json *root, const char *key, const palp_material *material,
-                               double **covariance) {
+static palp_status read_square_matrix(const palp_json *root, const char *key, const palp_material *material,
+                                      double **covariance) {
     palp_json rows, row;
     size_t n = palp_model_covariance_size(material), count = 0, width = 0;
     *covariance = NULL;
@@ -79,7 +79,7 @@ palp_status palp_model_fractional_check(const palp_json *root) {
 
 palp_status palp_model_covariance_read(const palp_json *root, const palp_material *material,
                                        double **covariance) {
-    return square_read(root, "covariance", material, covariance);
+    return read_square_matrix(root, "covariance", material, covariance);
 }
 
 palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between,
@@ -99,7 +99,7 @@ palp_status palp_model_between_read(const palp_json *root, const palp_material *
     if (!status && (value < 2.0 || value > 1e6 || value != floor(value)))
         status = palp_json_fail(&count, PALP_ERR_INPUT, "must be a whole number of 2 or more");
     if (!status)
-        status = square_read(&specimens, "between", material, between);
+        status = read_square_matrix(&specimens, "between", material, between);
     if (!status && !*between)
         status = palp_json_fail(&specimens, PALP_ERR_INPUT, "has no \"between\"");
     *n_specimens = status ? 0 : (size_t)value;

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static palp_status id_read(const palp_json *at, const palp_model *model, palp_effect *effect) {
+static palp_status read_effect_id(const palp_json *at, const palp_model *model, palp_effect *effect) {
     palp_json id;
     const char *name = "";
     palp_status status = palp_json_require(at, "id", &id);
@@ -27,7 +27,7 @@ static palp_status id_read(const palp_json *at, const palp_model *model, palp_ef
     return PALP_OK;
 }
 
-static palp_status parameter_read(const palp_json *at, const palp_effect_parameter *p, double *value) {
+static palp_status read_effect_parameter(const palp_json *at, const palp_effect_parameter *p, double *value) {
     palp_json number;
     double read = 0;
     *value = 0.0;
@@ -43,13 +43,13 @@ static palp_status parameter_read(const palp_json *at, const palp_effect_paramet
     return status;
 }
 
-static palp_status effect_read(const palp_json *at, const palp_model *model, palp_effect *effect) {
+static palp_status read_effect_parameters(const palp_json *at, const palp_model *model, palp_effect *effect) {
     static const char *const keys[] = {"id", "parameters"};
     const char *known[PALP_EFFECT_PARAMETERS];
     palp_json parameters;
     palp_status status = palp_json_keys(at, 2, keys);
     if (!status)
-        status = id_read(at, model, effect);
+        status = read_effect_id(at, model, effect);
     if (!status)
         status = palp_json_require(at, "parameters", &parameters);
     if (status)
@@ -59,7 +59,7 @@ static palp_status effect_read(const palp_json *at, const palp_model *model, pal
         known[k] = info->parameter[k].key;
     status = palp_json_keys(&parameters, info->n_parameters, known);
     for (size_t k = 0; k < info->n_parameters && !status; k++)
-        status = parameter_read(&parameters, &info->parameter[k], &effect->value[k]);
+        status = read_effect_parameter(&parameters, &info->parameter[k], &effect->value[k]);
     return status;
 }
 
@@ -77,14 +77,14 @@ palp_status palp_model_effects_read(const palp_json *root, palp_model *model) {
         memset(&effect, 0, sizeof effect);
         status = palp_json_item(&effects, i, &item);
         if (!status)
-            status = effect_read(&item, model, &effect);
+            status = read_effect_parameters(&item, model, &effect);
         if (!status)
             model->effects[model->n_effects++] = effect;
     }
     return status;
 }
 
-static palp_status check_one(const palp_model *model, size_t i, palp_error *error) {
+static palp_status check_one_effect(const palp_model *model, size_t i, palp_error *error) {
     const palp_effect *effect = &model->effects[i];
     palp_status status = palp_effect_check(effect, error);
     if (status)
@@ -109,6 +109,6 @@ palp_status palp_model_effects_check(const palp_model *model, palp_error *error)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "formulation sedef2008 takes no effects; use history");
     for (size_t i = 0; i < model->n_effects && !status; i++)
-        status = check_one(model, i, error);
+        status = check_one_effect(model, i, error);
     return status;
 }

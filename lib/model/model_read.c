@@ -10,14 +10,14 @@
 #define COUNT(list) (sizeof(list) / sizeof(list)[0])
 
 /* Reads value_mm in metres; true if it is present and positive. */
-static palp_status length_read(const palp_json *at, double *value_m) {
+static palp_status read_length_in_mm(const palp_json *at, double *value_m) {
     double value_mm = 0;
     palp_status status = palp_json_positive(at, &value_mm);
     *value_m = value_mm / 1000;
     return status;
 }
 
-static palp_status version_read(const palp_json *root) {
+static palp_status read_model_version(const palp_json *root) {
     static const char *const keys[] = {"model"};
     palp_json palpate, model;
     if (!json_is_object(root->value) || !palp_json_member(root, "palpate", &palpate))
@@ -31,7 +31,7 @@ static palp_status version_read(const palp_json *root) {
     return status;
 }
 
-static palp_status kind_read(const palp_json *root, palp_model *model) {
+static palp_status read_model_kind(const palp_json *root, palp_model *model) {
     palp_json kind;
     const char *name = "";
     palp_status status = palp_json_require(root, "kind", &kind);
@@ -46,7 +46,7 @@ static palp_status kind_read(const palp_json *root, palp_model *model) {
     return PALP_OK;
 }
 
-static palp_status specimen_kind_read(const palp_json *kind, palp_model *model) {
+static palp_status read_specimen_kind(const palp_json *kind, palp_model *model) {
     const char *name = "";
     palp_status status = palp_json_string(kind, &name);
     if (status)
@@ -58,7 +58,7 @@ static palp_status specimen_kind_read(const palp_json *kind, palp_model *model) 
 }
 
 /* A network may omit the specimen: its mesh has the height. */
-static palp_status specimen_read(const palp_json *root, palp_model *model) {
+static palp_status read_specimen_size(const palp_json *root, palp_model *model) {
     static const char *const keys[] = {"height_mm", "radius_mm", "kind"};
     palp_json specimen, value;
     palp_status status = PALP_OK;
@@ -66,17 +66,17 @@ static palp_status specimen_read(const palp_json *root, palp_model *model) {
         return model->kind == PALP_MODEL_NETWORK ? PALP_OK : palp_json_require(root, "specimen", &specimen);
     status = palp_json_keys(&specimen, COUNT(keys), keys);
     if (!status && palp_json_member(&specimen, "height_mm", &value))
-        status = length_read(&value, &model->height_m);
+        status = read_length_in_mm(&value, &model->height_m);
     else if (!status && model->kind == PALP_MODEL_LUMPED)
         status = palp_json_require(&specimen, "height_mm", &value);
     if (!status && palp_json_member(&specimen, "radius_mm", &value))
-        status = length_read(&value, &model->radius_m);
+        status = read_length_in_mm(&value, &model->radius_m);
     if (!status && palp_json_member(&specimen, "kind", &value))
-        status = specimen_kind_read(&value, model);
+        status = read_specimen_kind(&value, model);
     return status;
 }
 
-static palp_status arm_read(const palp_json *at, palp_arm *arm) {
+static palp_status read_maxwell_arm(const palp_json *at, palp_arm *arm) {
     static const char *const keys[] = {"stiffness_N", "viscosity_Ns", "stiffness_per_strain",
                                        "time_per_strain"};
     palp_json value;
@@ -96,7 +96,7 @@ static palp_status arm_read(const palp_json *at, palp_arm *arm) {
     return status;
 }
 
-static palp_status arms_read(const palp_json *root, palp_material *material) {
+static palp_status read_maxwell_arms(const palp_json *root, palp_material *material) {
     palp_json arms, arm;
     if (!palp_json_member(root, "arms", &arms))
         return PALP_OK;
@@ -104,12 +104,12 @@ static palp_status arms_read(const palp_json *root, palp_material *material) {
     for (size_t j = 0; !status && j < material->n_arms; j++) {
         status = palp_json_item(&arms, j, &arm);
         if (!status)
-            status = arm_read(&arm, &material->arms[j]);
+            status = read_maxwell_arm(&arm, &material->arms[j]);
     }
     return status;
 }
 
-static palp_status formulation_read(const palp_json *root, palp_material *material) {
+static palp_status read_formulation_name(const palp_json *root, palp_material *material) {
     palp_json formulation;
     const char *name = "";
     if (!palp_json_member(root, "formulation", &formulation))
@@ -125,19 +125,19 @@ static palp_status formulation_read(const palp_json *root, palp_material *materi
     return PALP_OK;
 }
 
-static palp_status material_read(const palp_json *root, palp_model *model) {
+static palp_status read_element_material(const palp_json *root, palp_model *model) {
     palp_json value;
     palp_error wrong = {PALP_OK, ""};
     palp_material *material = &model->material;
     palp_status status = palp_model_stiffness_read(root, model);
     if (!status)
-        status = arms_read(root, material);
+        status = read_maxwell_arms(root, material);
     if (!status && palp_json_member(root, "dashpot_Ns", &value))
         status = palp_json_not_negative(&value, &material->dashpot_Ns);
     if (!status && palp_json_member(root, "quasi_linear", &value))
         status = palp_json_bool(&value, &material->quasi_linear);
     if (!status)
-        status = formulation_read(root, material);
+        status = read_formulation_name(root, material);
     if (!status)
         status = palp_model_effects_read(root, model);
     if (status)
@@ -152,7 +152,7 @@ static palp_status material_read(const palp_json *root, palp_model *model) {
                           value.value ? "make no material: " : "", wrong.text);
 }
 
-static palp_status nodes_read(const palp_json *at, size_t nodes[3]) {
+static palp_status read_lattice_nodes(const palp_json *at, size_t nodes[3]) {
     double count[3], product = 1;
     size_t n = 0;
     palp_status status = palp_json_numbers(at, 3, &n, count);
@@ -171,7 +171,7 @@ static palp_status nodes_read(const palp_json *at, size_t nodes[3]) {
     return PALP_OK;
 }
 
-static palp_status size_read(const palp_json *at, double size_m[3]) {
+static palp_status read_lattice_size(const palp_json *at, double size_m[3]) {
     double size_mm[3];
     size_t n = 0;
     palp_status status = palp_json_numbers(at, 3, &n, size_mm);
@@ -185,7 +185,7 @@ static palp_status size_read(const palp_json *at, double size_m[3]) {
     return status;
 }
 
-static palp_status scaling_read(const palp_json *at, palp_mesh_source *source) {
+static palp_status read_mesh_scaling(const palp_json *at, palp_mesh_source *source) {
     palp_json value;
     const char *name = "";
     if (!palp_json_member(at, "scaling", &value))
@@ -208,7 +208,7 @@ static palp_status scaling_read(const palp_json *at, palp_mesh_source *source) {
     return status;
 }
 
-static palp_status lattice_read(const palp_json *at, palp_mesh_source *source) {
+static palp_status read_lattice_mesh(const palp_json *at, palp_mesh_source *source) {
     static const char *const keys[] = {"kind", "nodes", "size_mm", "neighbourhood", "scaling", "area_mm2"};
     palp_json value;
     double reach = 26;
@@ -216,11 +216,11 @@ static palp_status lattice_read(const palp_json *at, palp_mesh_source *source) {
     if (!status)
         status = palp_json_require(at, "nodes", &value);
     if (!status)
-        status = nodes_read(&value, source->nodes);
+        status = read_lattice_nodes(&value, source->nodes);
     if (!status)
         status = palp_json_require(at, "size_mm", &value);
     if (!status)
-        status = size_read(&value, source->size_m);
+        status = read_lattice_size(&value, source->size_m);
     if (!status && palp_json_member(at, "neighbourhood", &value)) {
         status = palp_json_number(&value, &reach);
         if (!status && reach != 6 && reach != 18 && reach != 26)
@@ -228,10 +228,10 @@ static palp_status lattice_read(const palp_json *at, palp_mesh_source *source) {
     }
     if (!status)
         source->neighbourhood = (palp_neighbourhood)(int)reach;
-    return status ? status : scaling_read(at, source);
+    return status ? status : read_mesh_scaling(at, source);
 }
 
-static palp_status mesh_file_read(const palp_json *at, palp_mesh_source *source) {
+static palp_status read_mesh_file_source(const palp_json *at, palp_mesh_source *source) {
     static const char *const keys[] = {"kind", "path", "scale_mm", "hex_diagonals", "scaling", "area_mm2"};
     palp_json value;
     const char *path = "";
@@ -247,17 +247,17 @@ static palp_status mesh_file_read(const palp_json *at, palp_mesh_source *source)
     if (!status)
         strcpy(source->path, path);
     if (!status && palp_json_member(at, "scale_mm", &value))
-        status = length_read(&value, &source->scale_m);
+        status = read_length_in_mm(&value, &source->scale_m);
     if (!status && palp_json_member(at, "hex_diagonals", &value))
         status = palp_json_bool(&value, &source->hex_diagonals);
     if (!status)
-        status = scaling_read(at, source);
+        status = read_mesh_scaling(at, source);
     if (!status && palp_model_folder(at->file->path, source->folder))
         status = palp_json_fail(&value, PALP_ERR_LIMIT, "starts from too long a folder");
     return status;
 }
 
-static palp_status mesh_read(const palp_json *root, palp_mesh_source *source) {
+static palp_status read_mesh_source(const palp_json *root, palp_mesh_source *source) {
     palp_json mesh, kind;
     const char *name = "";
     palp_status status = palp_json_require(root, "mesh", &mesh);
@@ -271,15 +271,15 @@ static palp_status mesh_read(const palp_json *root, palp_mesh_source *source) {
     if (status)
         return status;
     if (strcmp(name, "lattice") == 0)
-        return lattice_read(&mesh, source);
+        return read_lattice_mesh(&mesh, source);
     if (strcmp(name, "file") == 0)
-        return mesh_file_read(&mesh, source);
+        return read_mesh_file_source(&mesh, source);
     return palp_json_fail(&kind, PALP_ERR_INPUT, "must be \"lattice\" or \"file\", not \"%s\"", name);
 }
 
-static palp_status network_read(const palp_json *root, palp_model *model, palp_mesh_source *source) {
+static palp_status read_network_members(const palp_json *root, palp_model *model, palp_mesh_source *source) {
     palp_json density, volume;
-    palp_status status = mesh_read(root, source);
+    palp_status status = read_mesh_source(root, source);
     model->mesh = source;
     if (!status && palp_json_member(root, "density_kg_m3", &density))
         status = palp_json_not_negative(&density, &model->density_kg_m3);
@@ -301,20 +301,20 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     size_t n_specimens;
     memset(model, 0, sizeof *model);
     memset(source, 0, sizeof *source);
-    palp_status status = version_read(root);
+    palp_status status = read_model_version(root);
     if (!status)
-        status = kind_read(root, model);
+        status = read_model_kind(root, model);
     bool network = model->kind == PALP_MODEL_NETWORK;
     if (!status && !network && palp_json_member(root, "mesh", &mesh))
         status = palp_json_fail(&mesh, PALP_ERR_INPUT, "belongs to a model of kind \"network\"");
     if (!status)
         status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 3, keys);
     if (!status)
-        status = specimen_read(root, model);
+        status = read_specimen_size(root, model);
     if (!status)
-        status = material_read(root, model);
+        status = read_element_material(root, model);
     if (!status && network)
-        status = network_read(root, model, source);
+        status = read_network_members(root, model, source);
     if (!status)
         status = palp_model_fractional_check(root);
     if (!status)
@@ -347,8 +347,8 @@ palp_status palp_model_read(const char *path, palp_model *model, palp_mesh_sourc
 }
 
 /* Reads one of the two; the pointer of the other is NULL. */
-static palp_status read_known(const char *path, double **covariance, double **between, size_t *n_specimens,
-                              palp_error *error) {
+static palp_status read_model_uncertainty(const char *path, double **covariance, double **between,
+                                          size_t *n_specimens, palp_error *error) {
     palp_json_file file;
     palp_json root;
     palp_model model;
@@ -368,7 +368,7 @@ palp_status palp_model_read_covariance(const char *path, double **covariance, pa
     if (!path || !covariance)
         return palp_error_null(error);
     *covariance = NULL;
-    return read_known(path, covariance, NULL, NULL, error);
+    return read_model_uncertainty(path, covariance, NULL, NULL, error);
 }
 
 palp_status palp_model_read_between(const char *path, double **between, size_t *n_specimens,
@@ -377,5 +377,5 @@ palp_status palp_model_read_between(const char *path, double **between, size_t *
         return palp_error_null(error);
     *between = NULL;
     *n_specimens = 0;
-    return read_known(path, NULL, between, n_specimens, error);
+    return read_model_uncertainty(path, NULL, between, n_specimens, error);
 }

@@ -7,8 +7,8 @@
 #define COUNT(list) (sizeof(list) / sizeof(list)[0])
 
 /* The list called key of a stiffness; ERR_INPUT if it is absent or empty. */
-static palp_status list_read(const palp_json *at, const char *key, palp_json *list, size_t *n,
-                             double *values) {
+static palp_status read_nonempty_list(const palp_json *at, const char *key, palp_json *list, size_t *n,
+                                      double *values) {
     palp_status status = palp_json_require(at, key, list);
     if (!status)
         status = palp_json_numbers(list, PALP_LAW_MAX, n, values);
@@ -17,20 +17,20 @@ static palp_status list_read(const palp_json *at, const char *key, palp_json *li
     return status;
 }
 
-static palp_status polynomial_read(const palp_json *at, palp_law *law) {
+static palp_status read_polynomial_law(const palp_json *at, palp_law *law) {
     static const char *const keys[] = {"kind", "coefficients_N", "strain_max"};
     palp_json list;
     double c_N[PALP_LAW_MAX];
     size_t n = 0;
     palp_status status = palp_json_keys(at, COUNT(keys), keys);
     if (!status)
-        status = list_read(at, "coefficients_N", &list, &n, c_N);
+        status = read_nonempty_list(at, "coefficients_N", &list, &n, c_N);
     if (!status && palp_law_polynomial(n, c_N, law))
         status = palp_json_fail(&list, PALP_ERR_INPUT, "make no polynomial law");
     return status;
 }
 
-static palp_status knots_check(const palp_json *strain, size_t n, const double *a) {
+static palp_status check_spline_knots(const palp_json *strain, size_t n, const double *a) {
     if (n < 2 || a[0] != 0)
         return palp_json_fail(strain, PALP_ERR_INPUT, "must have at least two knots, the first at 0");
     for (size_t i = 1; i < n; i++)
@@ -39,18 +39,18 @@ static palp_status knots_check(const palp_json *strain, size_t n, const double *
     return PALP_OK;
 }
 
-static palp_status spline_read(const palp_json *at, palp_law *law) {
+static palp_status read_spline_law(const palp_json *at, palp_law *law) {
     static const char *const keys[] = {"kind", "strain", "stiffness_N", "strain_max"};
     palp_json strain, stiffness;
     double a[PALP_LAW_MAX], k_N[PALP_LAW_MAX];
     size_t n = 0, m = 0;
     palp_status status = palp_json_keys(at, COUNT(keys), keys);
     if (!status)
-        status = list_read(at, "strain", &strain, &n, a);
+        status = read_nonempty_list(at, "strain", &strain, &n, a);
     if (!status)
-        status = knots_check(&strain, n, a);
+        status = check_spline_knots(&strain, n, a);
     if (!status)
-        status = list_read(at, "stiffness_N", &stiffness, &m, k_N);
+        status = read_nonempty_list(at, "stiffness_N", &stiffness, &m, k_N);
     if (!status && m != n)
         status = palp_json_fail(&stiffness, PALP_ERR_INPUT, "has %zu values for %zu knots", m, n);
     if (!status && palp_law_spline(n, a, k_N, law))
@@ -58,15 +58,15 @@ static palp_status spline_read(const palp_json *at, palp_law *law) {
     return status;
 }
 
-static palp_status hyperelastic_read(const palp_json *at, palp_law_kind kind, double radius_m,
-                                     palp_law *law) {
+static palp_status read_hyperelastic_law(const palp_json *at, palp_law_kind kind, double radius_m,
+                                         palp_law *law) {
     static const char *const keys[] = {"kind", "coefficients_Pa", "strain_max"};
     palp_json list;
     double c_Pa[PALP_LAW_MAX];
     size_t n = 0;
     palp_status status = palp_json_keys(at, COUNT(keys), keys);
     if (!status)
-        status = list_read(at, "coefficients_Pa", &list, &n, c_Pa);
+        status = read_nonempty_list(at, "coefficients_Pa", &list, &n, c_Pa);
     if (!status && !(radius_m > 0))
         status =
             palp_json_fail(at, PALP_ERR_INPUT, "is hyperelastic: it needs specimen.radius_mm for the area");
@@ -76,7 +76,7 @@ static palp_status hyperelastic_read(const palp_json *at, palp_law_kind kind, do
     return status;
 }
 
-static palp_status law_read(const palp_json *at, palp_model *model) {
+static palp_status read_stiffness_law(const palp_json *at, palp_model *model) {
     palp_json kind;
     palp_law_kind law_kind;
     palp_law *law = &model->material.law;
@@ -94,14 +94,14 @@ static palp_status law_read(const palp_json *at, palp_model *model) {
                               "mooney_rivlin5, yeoh, ogden",
                               name);
     if (law_kind == PALP_LAW_POLYNOMIAL)
-        return polynomial_read(at, law);
+        return read_polynomial_law(at, law);
     if (law_kind == PALP_LAW_SPLINE)
-        return spline_read(at, law);
-    return hyperelastic_read(at, law_kind, model->radius_m, law);
+        return read_spline_law(at, law);
+    return read_hyperelastic_law(at, law_kind, model->radius_m, law);
 }
 
 /* Reads the largest strain at which the law was measured, if present. */
-static palp_status limit_read(const palp_json *stiffness, palp_law *law) {
+static palp_status read_law_strain_limit(const palp_json *stiffness, palp_law *law) {
     palp_json value;
     double strain_max = 0;
     if (!palp_json_member(stiffness, "strain_max", &value))
@@ -118,9 +118,9 @@ palp_status palp_model_stiffness_read(const palp_json *root, palp_model *model) 
     palp_json stiffness;
     palp_status status = palp_json_require(root, "stiffness", &stiffness);
     if (!status)
-        status = law_read(&stiffness, model);
+        status = read_stiffness_law(&stiffness, model);
     if (!status)
-        status = limit_read(&stiffness, &model->material.law);
+        status = read_law_strain_limit(&stiffness, &model->material.law);
     if (status)
         return status;
     double lowest_N = palp_model_lowest(&model->material.law);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static palp_status law_check(const palp_model *model, palp_error *error) {
+static palp_status check_stiffness_law(const palp_model *model, palp_error *error) {
     const palp_law *law = &model->material.law;
     double area_m2 = palp_model_area(model->radius_m);
     bool hyperelastic = law->kind != PALP_LAW_POLYNOMIAL && law->kind != PALP_LAW_SPLINE;
@@ -27,14 +27,14 @@ static palp_status law_check(const palp_model *model, palp_error *error) {
     return PALP_OK;
 }
 
-static bool lattice_valid(const palp_mesh_source *mesh) {
+static bool is_lattice_valid(const palp_mesh_source *mesh) {
     for (size_t i = 0; i < 3; i++)
         if (mesh->nodes[i] < 2 || !(mesh->size_m[i] > 0) || !isfinite(mesh->size_m[i]))
             return false;
     return mesh->neighbourhood == 6 || mesh->neighbourhood == 18 || mesh->neighbourhood == 26;
 }
 
-static bool shape_valid(const palp_model *model) {
+static bool is_specimen_shape_valid(const palp_model *model) {
     const palp_mesh_source *mesh = model->mesh;
     bool network = model->kind == PALP_MODEL_NETWORK;
     if (!(model->height_m >= 0) || !isfinite(model->height_m) || (!network && model->height_m == 0))
@@ -50,22 +50,22 @@ static bool shape_valid(const palp_model *model) {
     if ((unsigned)mesh->scaling > PALP_SCALING_CONTINUUM || !(mesh->area_m2 >= 0) || !isfinite(mesh->area_m2))
         return false;
     if (mesh->kind == PALP_MESH_LATTICE)
-        return lattice_valid(mesh);
+        return is_lattice_valid(mesh);
     return mesh->path[0] && mesh->scale_m > 0 && isfinite(mesh->scale_m);
 }
 
 /* Refuses values that could not be read again. */
-static palp_status model_check(const palp_model *model, palp_error *error) {
+static palp_status check_model_before_write(const palp_model *model, palp_error *error) {
     if (model->kind == PALP_MODEL_NETWORK && model->mesh && model->mesh->kind == PALP_MESH_FILE &&
         !palp_text_is_utf8(model->mesh->path))
         return palp_error_set(
             error, PALP_ERR_ARGUMENT,
             "the path of its mesh is not UTF-8, as text in JSON has to be; rename the mesh");
-    if (!shape_valid(model))
+    if (!is_specimen_shape_valid(model))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the model's specimen or mesh is out of range");
     palp_status status = palp_material_check(&model->material, error);
     if (!status)
-        status = law_check(model, error);
+        status = check_stiffness_law(model, error);
     if (!status && model->fractional && !palp_model_fractional_valid(model->fractional))
         status = palp_error_set(error, PALP_ERR_ARGUMENT, "the fractional element is none");
     if (!status && model->covariance &&
@@ -89,14 +89,14 @@ typedef struct writer {
 static const writer lines = {NULL, "{\n  ", ",\n  ", "\n    ", "\n}\n"};
 static const writer one_line = {NULL, "{", ", ", "", "}"};
 
-static void number_print(const writer *w, const char *before, double value) {
+static void print_json_number(const writer *w, const char *before, double value) {
     char text[PALP_NUMBER_TEXT];
     palp_number_format(value, text);
     fprintf(w->stream, "%s%s", before, text);
 }
 
 /* Prints the shortest number of millimetres that reads back as the same metres, if there is one. */
-static void length_print(const writer *w, const char *before, double value_m) {
+static void print_length_in_mm(const writer *w, const char *before, double value_m) {
     char text[PALP_NUMBER_TEXT];
     double back = 0;
     for (int precision = 15; precision <= 17; precision++) {
@@ -108,7 +108,7 @@ static void length_print(const writer *w, const char *before, double value_m) {
 }
 
 /* The shortest number near value / unit that times unit reads back as value; false: there is none. */
-static bool quantity_format(double value, double unit, char text[PALP_NUMBER_TEXT]) {
+static bool format_quantity_in_unit(double value, double unit, char text[PALP_NUMBER_TEXT]) {
     double near = value / unit, back = 0;
     const double tries[] = {near, nextafter(near, INFINITY), nextafter(near, -INFINITY)};
     for (int i = 0; i < 9; i++) {
@@ -120,32 +120,32 @@ static bool quantity_format(double value, double unit, char text[PALP_NUMBER_TEX
 }
 
 /* If no number reads back as value, prints one that reads back as its neighbour. */
-static void quantity_print(const writer *w, const char *before, double value, double unit) {
+static void print_quantity_in_unit(const writer *w, const char *before, double value, double unit) {
     char text[PALP_NUMBER_TEXT];
-    if (!quantity_format(value, unit, text))
-        quantity_format(value / unit * unit, unit, text);
+    if (!format_quantity_in_unit(value, unit, text))
+        format_quantity_in_unit(value / unit * unit, unit, text);
     fprintf(w->stream, "%s%s", before, text);
 }
 
-static void list_print(const writer *w, const char *before, size_t n, const double *values) {
+static void print_number_list(const writer *w, const char *before, size_t n, const double *values) {
     fprintf(w->stream, "%s[", before);
     for (size_t i = 0; i < n; i++)
-        number_print(w, i ? ", " : "", values[i]);
+        print_json_number(w, i ? ", " : "", values[i]);
     fputc(']', w->stream);
 }
 
-static void specimen_print(const writer *w, const palp_model *model) {
+static void print_specimen_size(const writer *w, const palp_model *model) {
     const char *comma = "";
     if (model->height_m == 0 && model->radius_m == 0 && !model->specimen_kind[0])
         return;
     fprintf(w->stream, "%s\"specimen\": {", w->between);
     if (model->height_m > 0) {
-        length_print(w, "\"height_mm\": ", model->height_m);
+        print_length_in_mm(w, "\"height_mm\": ", model->height_m);
         comma = ", ";
     }
     if (model->radius_m > 0) {
         fputs(comma, w->stream);
-        length_print(w, "\"radius_mm\": ", model->radius_m);
+        print_length_in_mm(w, "\"radius_mm\": ", model->radius_m);
         comma = ", ";
     }
     if (model->specimen_kind[0])
@@ -153,41 +153,41 @@ static void specimen_print(const writer *w, const palp_model *model) {
     fputc('}', w->stream);
 }
 
-static void law_print(const writer *w, const palp_law *law) {
+static void print_stiffness_law(const writer *w, const palp_law *law) {
     fprintf(w->stream, "%s\"stiffness\": {\"kind\": \"%s\"", w->between, palp_law_kind_name(law->kind));
     if (law->kind == PALP_LAW_SPLINE) {
-        list_print(w, ", \"strain\": ", law->n, law->strain);
-        list_print(w, ", \"stiffness_N\": ", law->n, law->coefficients);
+        print_number_list(w, ", \"strain\": ", law->n, law->strain);
+        print_number_list(w, ", \"stiffness_N\": ", law->n, law->coefficients);
     } else if (law->kind == PALP_LAW_POLYNOMIAL)
-        list_print(w, ", \"coefficients_N\": ", law->n, law->coefficients);
+        print_number_list(w, ", \"coefficients_N\": ", law->n, law->coefficients);
     else
-        list_print(w, ", \"coefficients_Pa\": ", law->n, law->coefficients);
+        print_number_list(w, ", \"coefficients_Pa\": ", law->n, law->coefficients);
     if (law->strain_max > 0)
-        number_print(w, ", \"strain_max\": ", law->strain_max);
+        print_json_number(w, ", \"strain_max\": ", law->strain_max);
     fputc('}', w->stream);
 }
 
-static void arm_print(const writer *w, const palp_arm *arm) {
-    number_print(w, "{\"stiffness_N\": ", arm->stiffness_N);
-    number_print(w, ", \"viscosity_Ns\": ", arm->viscosity_Ns);
+static void print_maxwell_arm(const writer *w, const palp_arm *arm) {
+    print_json_number(w, "{\"stiffness_N\": ", arm->stiffness_N);
+    print_json_number(w, ", \"viscosity_Ns\": ", arm->viscosity_Ns);
     if (arm->beta != 0)
-        number_print(w, ", \"stiffness_per_strain\": ", arm->beta);
+        print_json_number(w, ", \"stiffness_per_strain\": ", arm->beta);
     if (arm->gamma != 0)
-        number_print(w, ", \"time_per_strain\": ", arm->gamma);
+        print_json_number(w, ", \"time_per_strain\": ", arm->gamma);
     fputc('}', w->stream);
 }
 
-static void material_print(const writer *w, const palp_material *material) {
-    law_print(w, &material->law);
+static void print_element_material(const writer *w, const palp_material *material) {
+    print_stiffness_law(w, &material->law);
     fprintf(w->stream, "%s\"arms\": [", w->between);
     for (size_t j = 0; j < material->n_arms; j++) {
         fprintf(w->stream, "%s%s", j ? (w->item[0] ? "," : ", ") : "", w->item);
-        arm_print(w, &material->arms[j]);
+        print_maxwell_arm(w, &material->arms[j]);
     }
     fputc(']', w->stream);
     if (material->dashpot_Ns > 0) {
         fputs(w->between, w->stream);
-        number_print(w, "\"dashpot_Ns\": ", material->dashpot_Ns);
+        print_json_number(w, "\"dashpot_Ns\": ", material->dashpot_Ns);
     }
     if (material->quasi_linear)
         fprintf(w->stream, "%s\"quasi_linear\": true", w->between);
@@ -195,52 +195,52 @@ static void material_print(const writer *w, const palp_material *material) {
             material->formulation == PALP_SEDEF2008 ? "sedef2008" : "history");
 }
 
-static void effect_print(const writer *w, const palp_effect *effect) {
+static void print_one_effect(const writer *w, const palp_effect *effect) {
     const palp_effect_info *info = palp_effect_look_up(effect->id);
     fprintf(w->stream, "{\"id\": \"%s\", \"parameters\": {", info->id);
     for (size_t k = 0; k < info->n_parameters; k++) {
         fprintf(w->stream, "%s\"%s\"", k ? ", " : "", info->parameter[k].key);
-        quantity_print(w, ": ", effect->value[k], info->parameter[k].unit);
+        print_quantity_in_unit(w, ": ", effect->value[k], info->parameter[k].unit);
     }
     fputs("}}", w->stream);
 }
 
-static void effects_print(const writer *w, const palp_model *model) {
+static void print_effects_list(const writer *w, const palp_model *model) {
     fprintf(w->stream, "%s\"effects\": [", w->between);
     for (size_t i = 0; i < model->n_effects; i++) {
         fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : "", w->item);
-        effect_print(w, &model->effects[i]);
+        print_one_effect(w, &model->effects[i]);
     }
     fputc(']', w->stream);
 }
 
-static void square_print(const writer *w, const char *key, size_t n, const double *square) {
+static void print_square_matrix(const writer *w, const char *key, size_t n, const double *square) {
     fprintf(w->stream, "\"%s\": [", key);
     for (size_t i = 0; i < n; i++) {
         fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : "", w->item);
-        list_print(w, "", n, square + i * n);
+        print_number_list(w, "", n, square + i * n);
     }
     fputc(']', w->stream);
 }
 
 /* Prints the spectrum that the arms stand for, the covariance, and the differences of specimens. */
-static void known_print(const writer *w, const palp_model *model) {
+static void print_model_uncertainty(const writer *w, const palp_model *model) {
     size_t n = palp_model_covariance_size(&model->material);
     const double *f = model->fractional;
     if (f) {
         fprintf(w->stream, "%s\"fractional\": {", w->between);
-        number_print(w, "\"stiffness_N\": ", f[0]);
-        number_print(w, ", \"time_s\": ", f[1]);
-        number_print(w, ", \"exponent\": ", f[2]);
+        print_json_number(w, "\"stiffness_N\": ", f[0]);
+        print_json_number(w, ", \"time_s\": ", f[1]);
+        print_json_number(w, ", \"exponent\": ", f[2]);
         fputc('}', w->stream);
     }
     if (model->covariance) {
         fputs(w->between, w->stream);
-        square_print(w, "covariance", n, model->covariance);
+        print_square_matrix(w, "covariance", n, model->covariance);
     }
     if (model->between) {
         fprintf(w->stream, "%s\"specimens\": {\"count\": %zu, ", w->between, model->n_specimens);
-        square_print(w, "between", n, model->between);
+        print_square_matrix(w, "between", n, model->between);
         fputc('}', w->stream);
     }
 }
@@ -250,65 +250,65 @@ static void scaling_print(const writer *w, const palp_mesh_source *mesh) {
     if (mesh->scaling != PALP_SCALING_NONE)
         fprintf(w->stream, ", \"scaling\": \"%s\"", palp_model_scalings[mesh->scaling]);
     if (mesh->scaling != PALP_SCALING_NONE && mesh->area_m2 > 0)
-        quantity_print(w, ", \"area_mm2\": ", mesh->area_m2, 1e-6);
+        print_quantity_in_unit(w, ", \"area_mm2\": ", mesh->area_m2, 1e-6);
     fputc('}', w->stream);
 }
 
-static void lattice_print(const writer *w, const palp_mesh_source *mesh) {
+static void print_lattice_mesh(const writer *w, const palp_mesh_source *mesh) {
     const size_t *n = mesh->nodes;
     fprintf(w->stream, "%s\"mesh\": {\"kind\": \"lattice\", \"nodes\": [%zu, %zu, %zu], ", w->between, n[0],
             n[1], n[2]);
     for (size_t i = 0; i < 3; i++)
-        length_print(w, i ? ", " : "\"size_mm\": [", mesh->size_m[i]);
+        print_length_in_mm(w, i ? ", " : "\"size_mm\": [", mesh->size_m[i]);
     fputc(']', w->stream);
     if (mesh->neighbourhood != PALP_NEIGHBOURS_26)
         fprintf(w->stream, ", \"neighbourhood\": %d", (int)mesh->neighbourhood);
     scaling_print(w, mesh);
 }
 
-static palp_status mesh_file_print(const writer *w, const palp_mesh_source *mesh, const char *path) {
+static palp_status print_mesh_file_source(const writer *w, const palp_mesh_source *mesh, const char *path) {
     json_t *text = json_string(path);
     char *quoted = text ? json_dumps(text, JSON_ENCODE_ANY) : NULL;
     json_decref(text);
     if (!quoted)
         return PALP_ERR_NO_MEMORY;
     fprintf(w->stream, "%s\"mesh\": {\"kind\": \"file\", \"path\": %s, ", w->between, quoted);
-    length_print(w, "\"scale_mm\": ", mesh->scale_m);
+    print_length_in_mm(w, "\"scale_mm\": ", mesh->scale_m);
     fputs(mesh->hex_diagonals ? ", \"hex_diagonals\": true" : "", w->stream);
     scaling_print(w, mesh);
     free(quoted);
     return PALP_OK;
 }
 
-static palp_status network_print(const writer *w, const palp_model *model, const char *mesh_path) {
+static palp_status print_network_members(const writer *w, const palp_model *model, const char *mesh_path) {
     palp_status status = PALP_OK;
     if (model->mesh->kind == PALP_MESH_LATTICE)
-        lattice_print(w, model->mesh);
+        print_lattice_mesh(w, model->mesh);
     else
-        status = mesh_file_print(w, model->mesh, mesh_path);
+        status = print_mesh_file_source(w, model->mesh, mesh_path);
     if (model->density_kg_m3 > 0) {
         fputs(w->between, w->stream);
-        number_print(w, "\"density_kg_m3\": ", model->density_kg_m3);
+        print_json_number(w, "\"density_kg_m3\": ", model->density_kg_m3);
     }
     if (model->volume_modulus_Pa > 0) {
         fputs(w->between, w->stream);
-        number_print(w, "\"volume_modulus_Pa\": ", model->volume_modulus_Pa);
+        print_json_number(w, "\"volume_modulus_Pa\": ", model->volume_modulus_Pa);
     }
     return status;
 }
 
-static palp_status model_print(const writer *w, const palp_model *model, const char *mesh_path) {
+static palp_status print_complete_model(const writer *w, const palp_model *model, const char *mesh_path) {
     palp_locale locale;
     bool network = model->kind == PALP_MODEL_NETWORK;
     if (!palp_locale_enter(&locale))
         return PALP_ERR_NO_MEMORY;
     fprintf(w->stream, "%s\"palpate\": {\"model\": 1}", w->open);
     fprintf(w->stream, "%s\"kind\": \"%s\"", w->between, network ? "network" : "lumped");
-    specimen_print(w, model);
-    material_print(w, &model->material);
-    effects_print(w, model);
-    known_print(w, model);
-    palp_status status = network ? network_print(w, model, mesh_path) : PALP_OK;
+    print_specimen_size(w, model);
+    print_element_material(w, &model->material);
+    print_effects_list(w, model);
+    print_model_uncertainty(w, model);
+    palp_status status = network ? print_network_members(w, model, mesh_path) : PALP_OK;
     fputs(w->close, w->stream);
     palp_locale_leave(&locale);
     return status;
@@ -317,7 +317,7 @@ static palp_status model_print(const writer *w, const palp_model *model, const c
 /* ---- the mesh's path relative to another folder ---- */
 
 /* Path of to relative to the folder from, both absolute: "../meshes/a.msh". */
-static palp_status relative_path(const char *from, const char *to, char path[PALP_PATH_MAX]) {
+static palp_status find_relative_path(const char *from, const char *to, char path[PALP_PATH_MAX]) {
     size_t same = 0; /* length of the common folders, with the '/' after them */
     for (size_t i = 0; to[i] && (from[i] == to[i] || (!from[i] && to[i] == '/')); i++) {
         if (to[i] == '/')
@@ -339,8 +339,9 @@ static palp_status relative_path(const char *from, const char *to, char path[PAL
     return PALP_OK;
 }
 
-/* relative_path of resolved folders; ERR_FILE if one does not exist. */
-static palp_status path_move(const palp_mesh_source *mesh, const char *target, char path[PALP_PATH_MAX]) {
+/* find_relative_path of resolved folders; ERR_FILE if one does not exist. */
+static palp_status move_mesh_path_to_target(const palp_mesh_source *mesh, const char *target,
+                                            char path[PALP_PATH_MAX]) {
     char old_folder[PALP_PATH_MAX], new_folder[PALP_PATH_MAX], name[PALP_PATH_MAX], joined[PALP_PATH_MAX];
     if (palp_model_folder(target, new_folder) || palp_model_join(mesh->folder, mesh->path, name) ||
         palp_model_folder(name, old_folder))
@@ -352,14 +353,15 @@ static palp_status path_move(const palp_mesh_source *mesh, const char *target, c
     if (!status)
         status = palp_model_join(strcmp(to, "/") == 0 ? "" : to, slash ? slash + 1 : name, joined);
     if (!status)
-        status = relative_path(from, joined, path);
+        status = find_relative_path(from, joined, path);
     free(from);
     free(to);
     return status;
 }
 
 /* The mesh's path for a model that is written at target. */
-static palp_status mesh_path(const palp_model *model, const char *target, char path[PALP_PATH_MAX]) {
+static palp_status mesh_path_seen_from_target(const palp_model *model, const char *target,
+                                              char path[PALP_PATH_MAX]) {
     char folder[PALP_PATH_MAX];
     const palp_mesh_source *mesh = model->mesh;
     bool file = model->kind == PALP_MODEL_NETWORK && mesh->kind == PALP_MESH_FILE;
@@ -369,7 +371,7 @@ static palp_status mesh_path(const palp_model *model, const char *target, char p
     palp_status status = palp_model_folder(target, folder);
     if (status || strcmp(folder, mesh->folder) == 0)
         return status;
-    return path_move(mesh, target, path);
+    return move_mesh_path_to_target(mesh, target, path);
 }
 
 palp_status palp_model_write(const palp_model *model, const char *path, palp_error *error) {
@@ -378,10 +380,10 @@ palp_status palp_model_write(const palp_model *model, const char *path, palp_err
     palp_file file;
     palp_error wrong = {PALP_OK, ""};
     char mesh[PALP_PATH_MAX];
-    palp_status status = model_check(model, &wrong);
+    palp_status status = check_model_before_write(model, &wrong);
     if (status)
         return palp_error_set(error, status, "%s: not written: %s", path, wrong.text);
-    status = mesh_path(model, path, mesh);
+    status = mesh_path_seen_from_target(model, path, mesh);
     if (status)
         return palp_error_set(error, status,
                               "%s: not written: the folder of it or of the mesh \"%s\" is not there", path,
@@ -394,7 +396,7 @@ palp_status palp_model_write(const palp_model *model, const char *path, palp_err
         return status;
     writer w = lines;
     w.stream = file.stream;
-    status = model_print(&w, model, mesh);
+    status = print_complete_model(&w, model, mesh);
     if (!status)
         return palp_file_commit(&file, true, error);
     palp_file_abandon(&file);
@@ -407,14 +409,14 @@ palp_status palp_model_format(const palp_model *model, char **json) {
     char *text = NULL;
     size_t size = 0;
     *json = NULL;
-    palp_status status = model_check(model, NULL);
+    palp_status status = check_model_before_write(model, NULL);
     if (status)
         return status;
     writer w = one_line;
     w.stream = open_memstream(&text, &size);
     if (!w.stream)
         return PALP_ERR_NO_MEMORY;
-    status = model_print(&w, model, model->mesh ? model->mesh->path : "");
+    status = print_complete_model(&w, model, model->mesh ? model->mesh->path : "");
     bool failed = ferror(w.stream) != 0;
     failed = fclose(w.stream) != 0 || failed;
     if (!status && (failed || !text))

@@ -40,7 +40,7 @@ void palp_network_free(palp_network *net) {
     free(net);
 }
 
-static palp_status allocate(palp_network *net) {
+static palp_status allocate_network_arrays(palp_network *net) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
     double **by_axis[] = {&net->motion, &net->fint, &net->outer, &net->diagonal, &net->unbalanced,
                           &net->rhs,    &net->dx,   &net->start, &net->way[0],   &net->way[1]};
@@ -63,7 +63,7 @@ static palp_status allocate(palp_network *net) {
     return net->memory.failed ? PALP_ERR_NO_MEMORY : network_allocate_states(net);
 }
 
-static palp_status apply_support(palp_network *net, const palp_support *support, palp_error *error) {
+static palp_status apply_support_to_nodes(palp_network *net, const palp_support *support, palp_error *error) {
     const int32_t *nodes;
     size_t n;
     if (palp_mesh_set(net->mesh, support->set, &n, &nodes))
@@ -83,10 +83,10 @@ static palp_status apply_support(palp_network *net, const palp_support *support,
     return PALP_OK;
 }
 
-static palp_status number_unknowns(palp_network *net, size_t n, const palp_support *supports,
-                                   palp_error *error) {
+static palp_status number_free_unknowns(palp_network *net, size_t n, const palp_support *supports,
+                                        palp_error *error) {
     for (size_t i = 0; i < n; i++) {
-        palp_status status = apply_support(net, &supports[i], error);
+        palp_status status = apply_support_to_nodes(net, &supports[i], error);
         if (status)
             return status;
     }
@@ -100,7 +100,7 @@ static palp_status number_unknowns(palp_network *net, size_t n, const palp_suppo
 
 /* A quarter of each tetrahedron's mass goes to each corner. Hexahedra, whose tetrahedra favour some corners,
  * and meshes without cells (as large as their box) share mass by the rest length of a node's elements. */
-static void share_mass(palp_network *net) {
+static void share_mass_among_nodes(palp_network *net) {
     double low[3], high[3], total = 0.0, volume = mesh_volume(net->mesh, net->mass);
     if (volume > 0.0 && net->mesh->n_hexahedra == 0) {
         for (size_t i = 0; i < net->n_nodes; i++)
@@ -117,7 +117,7 @@ static void share_mass(palp_network *net) {
         net->mass[net->pair[i]] += net->settings.density_kg_m3 * volume / net->inverse_rest[i / 2] / total;
 }
 
-static void measure_rest(palp_network *net) {
+static void measure_rest_lengths(palp_network *net) {
     double low[3], high[3];
     palp_mesh_bounds(net->mesh, low, high);
     for (size_t k = 0; k < 3; k++)
@@ -138,11 +138,11 @@ static void measure_rest(palp_network *net) {
          i++) /* a third of the trace of a node's block of the tangent */
         net->unit[net->pair[i]] += (net->scale ? net->scale[i / 2] : 1.0) * net->inverse_rest[i / 2] / 3.0;
     if (net->mass)
-        share_mass(net);
+        share_mass_among_nodes(net);
 }
 
-static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supports,
-                         const palp_support *supports, palp_error *error) {
+static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *mesh, size_t n_supports,
+                                           const palp_support *supports, palp_error *error) {
     palp_status status = mesh_copy(mesh, &net->mesh);
     if (status)
         return status;
@@ -152,14 +152,14 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     net->pair = palp_mesh_pairs(net->mesh);
     net->surface = palp_mesh_triangles(net->mesh);
     net->n_surface = palp_mesh_triangle_count(net->mesh);
-    status = allocate(net);
+    status = allocate_network_arrays(net);
     if (!status && net->scale)
         memcpy(net->scale, palp_mesh_element_scale(net->mesh), net->n_elements * sizeof *net->scale);
     if (!status)
-        status = number_unknowns(net, n_supports, supports, error);
+        status = number_free_unknowns(net, n_supports, supports, error);
     if (status)
         return status;
-    measure_rest(net);
+    measure_rest_lengths(net);
     status = network_make_runs(net);
     if (!status)
         status = network_make_pattern(net);
@@ -182,7 +182,7 @@ static palp_status build(palp_network *net, const palp_mesh *mesh, size_t n_supp
     return status;
 }
 
-static bool settings_in_range(const palp_network_settings *s) {
+static bool are_settings_in_range(const palp_network_settings *s) {
     return s->tolerance > 0.0 && isfinite(s->tolerance) && s->max_iterations >= 1 &&
            s->density_kg_m3 >= 0.0 && isfinite(s->density_kg_m3) && s->volume_modulus_Pa >= 0.0 &&
            isfinite(s->volume_modulus_Pa) && s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 &&
@@ -198,7 +198,7 @@ palp_status palp_network_create(const palp_mesh *mesh, const palp_material *mate
     palp_status status = palp_material_check(material, error);
     if (status)
         return status;
-    if (!settings_in_range(settings))
+    if (!are_settings_in_range(settings))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a network setting is out of range");
     palp_network *net = calloc(1, sizeof *net);
     if (!net)
@@ -207,7 +207,7 @@ palp_status palp_network_create(const palp_mesh *mesh, const palp_material *mate
     net->material = *material;
     net->rate_factor = 1.0;
     palp_error why = {PALP_OK, ""};
-    status = build(net, mesh, n_supports, supports, &why);
+    status = build_network_from_mesh(net, mesh, n_supports, supports, &why);
     if (status) {
         palp_network_free(net);
         return why.text[0] ? palp_error_set(error, status, "%s", why.text)
@@ -315,7 +315,7 @@ bool palp_network_buckled(const palp_network *net, double *stable_m, double *uns
 
 /* Effects of the tester are not part of the tissue and are left out. Effects of elements or plates cannot
  * be. */
-static palp_status check_effects(const palp_model *model, palp_error *error) {
+static palp_status check_effects_supported(const palp_model *model, palp_error *error) {
     for (size_t i = 0; i < model->n_effects; i++) {
         const palp_effect_info *info = palp_effect_look_up(model->effects[i].id);
         if (!info || (info->place != PALP_EFFECT_FRAME && info->place != PALP_EFFECT_SENSOR))
@@ -333,7 +333,7 @@ palp_status palp_network_from_model(const palp_model *model, const palp_mesh *me
     palp_network_settings own = settings ? *settings : palp_network_settings_default();
     palp_support usual[2];
     palp_mesh *made = NULL;
-    palp_status status = check_effects(model, error);
+    palp_status status = check_effects_supported(model, error);
     if (!status && !mesh)
         status = palp_model_mesh(model, &made, error);
     if (status)

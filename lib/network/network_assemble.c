@@ -44,7 +44,7 @@ double network_residual(palp_network *net, double *scale) {
 }
 
 /* k = (tangent / L0) n n' + (force / L) (1 - n n'), lower triangle xx yx yy zx zy zz. */
-static inline void element_block(const palp_network *net, size_t i, double k[6]) {
+static inline void element_tangent_block(const palp_network *net, size_t i, double k[6]) {
     const size_t m = net->n_elements;
     const double n[3] = {net->direction[i], net->direction[m + i], net->direction[2 * m + i]};
     double across = net->force[i] * net->inverse_length[i];
@@ -64,7 +64,7 @@ void network_set_diagonal(palp_network *net, double shift) {
     NETWORK_EACH_TERM(net, diagonal, net, net->diagonal);
 }
 
-static void add_own(palp_network *net, int32_t node, const double k[9]) {
+static void add_diagonal_block(palp_network *net, int32_t node, const double k[9]) {
     double *value = linsys_values(net->ls);
     const uint32_t *slot = net->slot_node + 6 * (size_t)node;
     for (int row = 0; row < 3; row++)
@@ -74,10 +74,10 @@ static void add_own(palp_network *net, int32_t node, const double k[9]) {
 
 /* Adds a term's block to the solver's values, unless no element joins its nodes. The slots of an element are
  * for its second node by its first. */
-static void add_block(void *user, int32_t row, int32_t column, const double k[9]) {
+static void add_block_to_tangent(void *user, int32_t row, int32_t column, const double k[9]) {
     palp_network *net = user;
     if (row == column) {
-        add_own(net, row, k);
+        add_diagonal_block(net, row, k);
         return;
     }
     size_t e = palp_mesh_element_between(net->mesh, row, column);
@@ -92,7 +92,7 @@ static void add_block(void *user, int32_t row, int32_t column, const double k[9]
 }
 
 /* Adds the elements' blocks: those between nodes to the values, those on nodes to node_block. */
-static void assemble_elements(palp_network *net) {
+static void assemble_element_tangents(palp_network *net) {
     double *restrict value = linsys_values(net->ls), *restrict block = net->node_block;
     memset(value, 0, linsys_value_count(net->ls) * sizeof *value);
     memset(block, 0, 6 * net->n_nodes * sizeof *block);
@@ -102,7 +102,7 @@ static void assemble_elements(palp_network *net) {
         for (; i < net->n_elements && net->pair[2 * i] == first; i++) {
             double k[6], *b = block + 6 * net->pair[2 * i + 1];
             const uint32_t *s = net->slot + 9 * i;
-            element_block(net, i, k);
+            element_tangent_block(net, i, k);
             for (size_t j = 0; j < 6; j++)
                 sum[j] += k[j];
             for (size_t j = 0; j < 6; j++)
@@ -121,7 +121,7 @@ static void assemble_elements(palp_network *net) {
 
 void network_assemble(palp_network *net, double shift) {
     double *value = linsys_values(net->ls);
-    assemble_elements(net);
+    assemble_element_tangents(net);
     network_set_diagonal(net, shift);
     for (size_t i = 0; i < net->n_nodes; i++) {
         const uint32_t *s = net->slot_node + 6 * i;
@@ -134,7 +134,7 @@ void network_assemble(palp_network *net, double shift) {
     }
     if (shift != 0.0)
         network_set_diagonal(net, 0.0);
-    NETWORK_EACH_TERM(net, blocks, net, add_block, net);
+    NETWORK_EACH_TERM(net, blocks, net, add_block_to_tangent, net);
 }
 
 palp_status network_factor(palp_network *net, double shift, int *negative) {
@@ -143,10 +143,10 @@ palp_status network_factor(palp_network *net, double shift, int *negative) {
 }
 
 /* k (vb - va) of element i. */
-static void block_times(const palp_network *net, size_t i, const double *va, const double *vb,
-                        double out[3]) {
+static void multiply_element_block(const palp_network *net, size_t i, const double *va, const double *vb,
+                                   double out[3]) {
     double k[6], d[3] = {vb[0] - va[0], vb[1] - va[1], vb[2] - va[2]};
-    element_block(net, i, k);
+    element_tangent_block(net, i, k);
     out[0] = k[0] * d[0] + k[1] * d[1] + k[3] * d[2];
     out[1] = k[1] * d[0] + k[2] * d[1] + k[4] * d[2];
     out[2] = k[3] * d[0] + k[4] * d[1] + k[5] * d[2];
@@ -157,7 +157,7 @@ void network_drive_column(palp_network *net, double *column) {
     for (size_t i = 0; i < net->n_elements; i++) {
         size_t a = 3 * (size_t)net->pair[2 * i], b = 3 * (size_t)net->pair[2 * i + 1];
         double f[3];
-        block_times(net, i, net->motion + a, net->motion + b, f);
+        multiply_element_block(net, i, net->motion + a, net->motion + b, f);
         for (size_t k = 0; k < 3; k++) {
             if (net->dof[a + k] >= 0)
                 column[net->dof[a + k]] += f[k];
@@ -194,7 +194,7 @@ double network_drive_force(const palp_network *net) {
 
 /* u' T u with the tangent T of the terms. Their constant diagonal counts on free axes only: the plate's
  * reaction contains only elements and outer forces. */
-static double term_curvature(const palp_network *net, const double *u) {
+static double curvature_of_terms_along(const palp_network *net, const double *u) {
     double sum = 0.0, *pull = net->unbalanced;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
@@ -217,11 +217,11 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
     double *u = net->fint; /* displacement per depth; fint is no longer needed */
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         u[i] = net->dof[i] < 0 ? net->motion[i] : net->start[net->dof[i]];
-    *stiffness = term_curvature(net, u);
+    *stiffness = curvature_of_terms_along(net, u);
     for (size_t i = 0; i < net->n_elements; i++) {
         const double *a = u + 3 * net->pair[2 * i], *b = u + 3 * net->pair[2 * i + 1];
         double f[3];
-        block_times(net, i, a, b, f);
+        multiply_element_block(net, i, a, b, f);
         weight[i] = 0.0;
         for (size_t k = 0; k < 3; k++) {
             weight[i] += net->direction[k * net->n_elements + i] * (b[k] - a[k]);

@@ -29,7 +29,7 @@ typedef struct chunk_room {
 /* ---- nodes to elements and back ------------------------------------------------------------------- */
 
 /* Lists the runs unless run is NULL; returns their number. */
-static size_t list_runs(const palp_network *net, network_run *run, size_t *first_run) {
+static size_t list_consecutive_runs(const palp_network *net, network_run *run, size_t *first_run) {
     const int32_t *pair = net->pair;
     size_t n = 0;
     for (size_t i = 0; i < net->n_elements; i++) {
@@ -50,20 +50,20 @@ static size_t list_runs(const palp_network *net, network_run *run, size_t *first
 }
 
 /* Distance between the axes of a vector by axis: loads of whole lanes may go beyond its end. */
-static size_t straight_stride(const palp_network *net) {
+static size_t stride_of_axis_vectors(const palp_network *net) {
     return net->n_nodes + LANES;
 }
 
 palp_status network_make_runs(palp_network *net) {
-    const size_t n = list_runs(net, NULL, NULL);
+    const size_t n = list_consecutive_runs(net, NULL, NULL);
     if (RUN * n > net->n_elements + 3 * RUN * (net->n_elements / CHUNK + 1))
         return PALP_OK;
     net->first_run = arena_take(&net->memory, net->n_elements / CHUNK + 2, sizeof *net->first_run);
-    net->straight = arena_take(&net->memory, 6 * straight_stride(net), sizeof *net->straight);
+    net->straight = arena_take(&net->memory, 6 * stride_of_axis_vectors(net), sizeof *net->straight);
     net->run = arena_take(&net->memory, n, sizeof *net->run);
     if (net->memory.failed)
         return PALP_ERR_NO_MEMORY;
-    list_runs(net, net->run, net->first_run);
+    list_consecutive_runs(net, net->run, net->first_run);
     return PALP_OK;
 }
 
@@ -88,8 +88,8 @@ typedef float four_floats __attribute__((vector_size(4 * sizeof(float))));
 /* d = x at the second node less x at the first, by axis, and its square. What is written behind a run is
  * overwritten by the next run, or is spare room. */
 PALP_CLONES
-static void fetch_runs(size_t n, const network_run *run, const double *x, size_t stride, double *d0,
-                       double *d1, double *d2, double *square) {
+static void fetch_run_differences(size_t n, const network_run *run, const double *x, size_t stride,
+                                  double *d0, double *d1, double *d2, double *square) {
     const double *x1 = x + stride, *x2 = x1 + stride;
     for (size_t r = 0; r < n; r++) {
         const int32_t low = run[r].low, high = run[r].high;
@@ -108,8 +108,8 @@ static void fetch_runs(size_t n, const network_run *run, const double *x, size_t
 
 /* Adds f, by axis, to out at the first nodes and subtracts it at the second nodes. */
 PALP_CLONES
-static void deliver_runs(size_t n, const network_run *run, const double *f0, const double *f1,
-                         const double *f2, double *out, size_t stride) {
+static void deliver_run_forces(size_t n, const network_run *run, const double *f0, const double *f1,
+                               const double *f2, double *out, size_t stride) {
     double *out1 = out + stride, *out2 = out1 + stride;
     for (size_t r = 0; r < n; r++) {
         const int32_t low = run[r].low, high = run[r].high;
@@ -125,8 +125,8 @@ static void deliver_runs(size_t n, const network_run *run, const double *f0, con
 }
 
 /* Copies x[3 n_nodes] by axis for fetching, and clears the sum. */
-static void begin_exchange(const palp_network *net, const double *x) {
-    const size_t stride = straight_stride(net);
+static void begin_exchange_by_axis(const palp_network *net, const double *x) {
+    const size_t stride = stride_of_axis_vectors(net);
     double *to = net->straight;
     if (!net->run)
         return;
@@ -137,8 +137,8 @@ static void begin_exchange(const palp_network *net, const double *x) {
 }
 
 /* Adds the sum to out[3 n_nodes]. */
-static void end_exchange(const palp_network *net, double *out) {
-    const size_t stride = straight_stride(net);
+static void add_delivered_forces(const palp_network *net, double *out) {
+    const size_t stride = stride_of_axis_vectors(net);
     const double *sum = net->run ? net->straight + 3 * stride : NULL;
     for (size_t i = 0; i < net->n_nodes && sum; i++)
         for (size_t c = 0; c < 3; c++)
@@ -146,12 +146,12 @@ static void end_exchange(const palp_network *net, double *out) {
 }
 
 /* Difference of x[3 n_nodes] over each element, and its square. */
-static void fetch(const palp_network *net, const double *x, chunk *c) {
+static void fetch_chunk_differences(const palp_network *net, const double *x, chunk *c) {
     const int32_t *pair = net->pair + 2 * c->at;
     if (net->run) {
         const size_t *first = net->first_run + c->at / CHUNK;
-        fetch_runs(first[1] - first[0], net->run + first[0], net->straight, straight_stride(net), c->d[0],
-                   c->d[1], c->d[2], c->square);
+        fetch_run_differences(first[1] - first[0], net->run + first[0], net->straight,
+                              stride_of_axis_vectors(net), c->d[0], c->d[1], c->d[2], c->square);
         return;
     }
     for (size_t i = 0; i < c->n; i++) {
@@ -165,12 +165,12 @@ static void fetch(const palp_network *net, const double *x, chunk *c) {
 
 /* Adds to the first nodes, subtracts from the second ones. Elements mostly come grouped by first node, whose
  * share is summed in a register: repeated addition to memory would wait for the one before. */
-static void deliver(const palp_network *net, const chunk *c, double *out) {
+static void deliver_chunk_forces(const palp_network *net, const chunk *c, double *out) {
     const int32_t *pair = net->pair + 2 * c->at;
     if (net->run) {
-        const size_t *first = net->first_run + c->at / CHUNK, stride = straight_stride(net);
-        deliver_runs(first[1] - first[0], net->run + first[0], c->d[0], c->d[1], c->d[2],
-                     net->straight + 3 * stride, stride);
+        const size_t *first = net->first_run + c->at / CHUNK, stride = stride_of_axis_vectors(net);
+        deliver_run_forces(first[1] - first[0], net->run + first[0], c->d[0], c->d[1], c->d[2],
+                           net->straight + 3 * stride, stride);
         return;
     }
     for (size_t i = 0; i < c->n;) {
@@ -192,7 +192,7 @@ static void deliver(const palp_network *net, const chunk *c, double *out) {
     }
 }
 
-static chunk chunk_at(const palp_network *net, size_t at) {
+static chunk chunk_of_elements_at(const palp_network *net, size_t at) {
     size_t left = net->n_elements - at;
     chunk c;
     c.at = at;
@@ -203,8 +203,9 @@ static chunk chunk_at(const palp_network *net, size_t at) {
 /* ---- forces -------------------------------------------------------------------------------------- */
 
 PALP_CLONES
-static void measure(size_t n, const double *restrict square, const double *restrict inverse_rest,
-                    double *restrict strain, double *restrict inverse_length) {
+static void measure_strain_of_chunk(size_t n, const double *restrict square,
+                                    const double *restrict inverse_rest, double *restrict strain,
+                                    double *restrict inverse_length) {
     for (size_t i = 0; i < n; i++) {
         double length = sqrt(square[i]);
         strain[i] = length * inverse_rest[i] - 1.0;
@@ -214,8 +215,9 @@ static void measure(size_t n, const double *restrict square, const double *restr
 
 /* Turns d into the force on the first node. */
 PALP_CLONES
-static void point_forces(size_t n, const double *restrict force, const double *restrict inverse_length,
-                         double *restrict d0, double *restrict d1, double *restrict d2) {
+static void direct_forces_along_elements(size_t n, const double *restrict force,
+                                         const double *restrict inverse_length, double *restrict d0,
+                                         double *restrict d1, double *restrict d2) {
     for (size_t i = 0; i < n; i++) {
         const double pull = force[i] * inverse_length[i];
         d0[i] *= pull;
@@ -225,15 +227,15 @@ static void point_forces(size_t n, const double *restrict force, const double *r
 }
 
 PALP_CLONES
-static void point_along(size_t n, const double *restrict d, const double *restrict inverse_length,
-                        double *restrict direction) {
+static void divide_by_element_length(size_t n, const double *restrict d,
+                                     const double *restrict inverse_length, double *restrict direction) {
     for (size_t i = 0; i < n; i++)
         direction[i] = d[i] * inverse_length[i];
 }
 
 /* sum[LANES] += squares. */
 PALP_CLONES
-static void add_squares(size_t n, const double *restrict x, double *restrict sum) {
+static void accumulate_squares(size_t n, const double *restrict x, double *restrict sum) {
     size_t i = 0;
     for (; i + LANES <= n; i += LANES)
         for (size_t k = 0; k < LANES; k++)
@@ -242,7 +244,7 @@ static void add_squares(size_t n, const double *restrict x, double *restrict sum
         sum[0] += x[i] * x[i];
 }
 
-static double lanes_sum(const double s[LANES]) {
+static double sum_of_all_lanes(const double s[LANES]) {
     return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
@@ -255,7 +257,7 @@ double network_dot(const double *a, const double *b, size_t n) {
             sum[k] += a[i + k] * b[i + k];
     for (; i < n; i++)
         sum[0] += a[i] * b[i];
-    return lanes_sum(sum);
+    return sum_of_all_lanes(sum);
 }
 
 PALP_CLONES
@@ -267,47 +269,48 @@ double network_distance(const double *a, const double *b, size_t n) {
             sum[k] += (a[i + k] - b[i + k]) * (a[i + k] - b[i + k]);
     for (; i < n; i++)
         sum[0] += (a[i] - b[i]) * (a[i] - b[i]);
-    return sqrt(lanes_sum(sum));
+    return sqrt(sum_of_all_lanes(sum));
 }
 
 /* Number of collapsed elements. */
 PALP_CLONES
-static size_t count_collapsed(size_t n, const double *strain) {
+static size_t count_collapsed_elements(size_t n, const double *strain) {
     size_t count = 0;
     for (size_t i = 0; i < n; i++)
         count += strain[i] > COLLAPSED ? 0 : 1;
     return count;
 }
 
-static element_history history_at(const element_history *h, size_t at) {
+static element_history history_of_elements_from(const element_history *h, size_t at) {
     return (element_history){h->strain + at, h->elastic ? h->elastic + at : NULL, h->arm + at,
                              h->peak ? h->peak + at : NULL, h->stride};
 }
 
 /* A chunk whose results go to the network; with room, only strain, force and history do, if they are kept. */
-static chunk chunk_keeping(palp_network *net, size_t at, bool keep, chunk_room *room) {
-    chunk c = chunk_at(net, at);
+static chunk chunk_with_result_arrays(palp_network *net, size_t at, bool keep, chunk_room *room) {
+    chunk c = chunk_of_elements_at(net, at);
     c.inverse_length = room ? room->inverse_length : net->inverse_length + at;
     c.tangent = room ? room->tangent : net->tangent + at;
     c.strain = keep ? net->strain + at : room->strain;
     c.force = keep ? net->force + at : room->force;
-    c.next = keep ? history_at(&net->next.history, at)
+    c.next = keep ? history_of_elements_from(&net->next.history, at)
                   : (element_history){room->strain, room->elastic, room->arm[0], room->peak, CHUNK};
     return c;
 }
 
-static void measure_chunk(palp_network *net, chunk *c) {
-    fetch(net, net->next.x, c);
-    measure(c->n, c->square, net->inverse_rest + c->at, c->strain, c->inverse_length);
+static void measure_chunk_of_network(palp_network *net, chunk *c) {
+    fetch_chunk_differences(net, net->next.x, c);
+    measure_strain_of_chunk(c->n, c->square, net->inverse_rest + c->at, c->strain, c->inverse_length);
 }
 
-static void find_directions(palp_network *net, const chunk *c) {
+static void find_directions_of_chunk(palp_network *net, const chunk *c) {
     for (size_t k = 0; k < 3; k++)
-        point_along(c->n, c->d[k], c->inverse_length, net->direction + k * net->n_elements + c->at);
+        divide_by_element_length(c->n, c->d[k], c->inverse_length,
+                                 net->direction + k * net->n_elements + c->at);
 }
 
 /* Adds the part of PALP_SEDEF2008's force that is a vector from the last step. */
-static void carry(palp_network *net, chunk *c) {
+static void carry_sedef_force_vector(palp_network *net, chunk *c) {
     const double *old = net->now.vector + 3 * c->at, share = net->step.carry;
     double *vector = net->next.vector + 3 * c->at;
     for (size_t i = 0; i < c->n; i++)
@@ -315,21 +318,21 @@ static void carry(palp_network *net, chunk *c) {
             vector[3 * i + k] = c->d[k][i] += share * old[3 * i + k];
 }
 
-static void force_chunk(palp_network *net, chunk *c) {
-    const element_history old = history_at(&net->now.history, c->at);
+static void evaluate_chunk_forces(palp_network *net, chunk *c) {
+    const element_history old = history_of_elements_from(&net->now.history, c->at);
     element_trial(&net->material, &net->step, c->n, c->strain, &old, &c->next, c->force, c->tangent);
     for (size_t i = 0; i < c->n && net->scale; i++) {
         c->force[i] *= net->scale[c->at + i];
         c->tangent[i] *= net->scale[c->at + i];
     }
-    point_forces(c->n, c->force, c->inverse_length, c->d[0], c->d[1], c->d[2]);
+    direct_forces_along_elements(c->n, c->force, c->inverse_length, c->d[0], c->d[1], c->d[2]);
     if (net->next.vector)
-        carry(net, c);
-    deliver(net, c, net->fint);
+        carry_sedef_force_vector(net, c);
+    deliver_chunk_forces(net, c, net->fint);
 }
 
 /* Gives cut elements strain 0 and no direction. */
-static void lay_out_dead(palp_network *net) {
+static void reset_cut_elements(palp_network *net) {
     const size_t m = net->n_elements;
     for (size_t k = 0; k < net->n_dead; k++) {
         size_t i = (size_t)net->dead[k];
@@ -341,9 +344,9 @@ static void lay_out_dead(palp_network *net) {
 
 /* along and across of the elements' blocks. */
 PALP_CLONES
-static void find_blocks(size_t n, const double *restrict force, const double *restrict inverse_length,
-                        const double *restrict tangent, const double *restrict inverse_rest,
-                        float *restrict along, float *restrict across) {
+static void find_element_blocks(size_t n, const double *restrict force, const double *restrict inverse_length,
+                                const double *restrict tangent, const double *restrict inverse_rest,
+                                float *restrict along, float *restrict across) {
     for (size_t i = 0; i < n; i++) {
         const double pull = force[i] * inverse_length[i];
         along[i] = (float)((tangent[i] * inverse_rest[i] - pull) * (inverse_length[i] * inverse_length[i]));
@@ -353,8 +356,8 @@ static void find_blocks(size_t n, const double *restrict force, const double *re
 
 /* Copies numbers of the elements of runs to their places in to[n]. */
 PALP_CLONES
-static void pack_runs(size_t n, const network_run *run, const uint32_t *to, const float *from,
-                      float *element) {
+static void pack_run_values(size_t n, const network_run *run, const uint32_t *to, const float *from,
+                            float *element) {
     for (size_t r = 0; r < n; r++) {
         float *e = element + to[r];
         int32_t i = 0;
@@ -366,13 +369,14 @@ static void pack_runs(size_t n, const network_run *run, const uint32_t *to, cons
     }
 }
 
-static void pack_chunk(const palp_network *net, const chunk *c, const network_blocks *to) {
+static void pack_chunk_blocks(const palp_network *net, const chunk *c, const network_blocks *to) {
     float along[CHUNK], across[CHUNK];
-    find_blocks(c->n, c->force, c->inverse_length, c->tangent, net->inverse_rest + c->at, along, across);
+    find_element_blocks(c->n, c->force, c->inverse_length, c->tangent, net->inverse_rest + c->at, along,
+                        across);
     if (to->run_place) {
         const size_t *first = net->first_run + c->at / CHUNK, n = first[1] - first[0];
-        pack_runs(n, net->run + first[0], to->run_place + first[0], along, to->element);
-        pack_runs(n, net->run + first[0], to->run_place + first[0], across, to->element + to->spacing);
+        pack_run_values(n, net->run + first[0], to->run_place + first[0], along, to->element);
+        pack_run_values(n, net->run + first[0], to->run_place + first[0], across, to->element + to->spacing);
         return;
     }
     for (size_t i = 0; i < c->n; i++) {
@@ -383,13 +387,13 @@ static void pack_chunk(const palp_network *net, const chunk *c, const network_bl
 }
 
 /* Geometry of all elements where some are cut: these have strain 0 and no direction. */
-static void measure_cut(palp_network *net) {
+static void measure_partly_cut_network(palp_network *net) {
     for (size_t at = 0; at < net->n_elements; at += CHUNK) {
-        chunk c = chunk_keeping(net, at, true, NULL);
-        measure_chunk(net, &c);
-        find_directions(net, &c);
+        chunk c = chunk_with_result_arrays(net, at, true, NULL);
+        measure_chunk_of_network(net, &c);
+        find_directions_of_chunk(net, &c);
     }
-    lay_out_dead(net);
+    reset_cut_elements(net);
 }
 
 bool network_element_forces(palp_network *net, const network_blocks *blocks) {
@@ -397,29 +401,29 @@ bool network_element_forces(palp_network *net, const network_blocks *blocks) {
     const bool cut = net->n_dead > 0;
     chunk_room own, *room = blocks && !cut && !net->next.vector ? &own : NULL;
     network_point_at_next(net);
-    begin_exchange(net, net->next.x);
+    begin_exchange_by_axis(net, net->next.x);
     if (cut)
-        measure_cut(net);
+        measure_partly_cut_network(net);
     memset(net->fint, 0, 3 * net->n_nodes * sizeof *net->fint);
     for (size_t at = 0; at < net->n_elements; at += CHUNK) {
-        chunk c = chunk_keeping(net, at, !room || !blocks->trial, room);
+        chunk c = chunk_with_result_arrays(net, at, !room || !blocks->trial, room);
         if (cut)
-            fetch(net, net->next.x, &c);
+            fetch_chunk_differences(net, net->next.x, &c);
         else
-            measure_chunk(net, &c);
-        if (count_collapsed(c.n, c.strain) > 0)
+            measure_chunk_of_network(net, &c);
+        if (count_collapsed_elements(c.n, c.strain) > 0)
             return false;
         if (!room && !cut)
-            find_directions(net, &c);
-        force_chunk(net, &c);
-        add_squares(c.n, c.force, forces);
-        add_squares(c.n, c.tangent, tangents);
+            find_directions_of_chunk(net, &c);
+        evaluate_chunk_forces(net, &c);
+        accumulate_squares(c.n, c.force, forces);
+        accumulate_squares(c.n, c.tangent, tangents);
         if (blocks && blocks->element)
-            pack_chunk(net, &c, blocks);
+            pack_chunk_blocks(net, &c, blocks);
     }
-    end_exchange(net, net->fint);
-    net->force_squares = lanes_sum(forces);
-    net->tangent_squares = lanes_sum(tangents);
+    add_delivered_forces(net, net->fint);
+    net->force_squares = sum_of_all_lanes(forces);
+    net->tangent_squares = sum_of_all_lanes(tangents);
     return true;
 }
 
@@ -427,10 +431,11 @@ bool network_element_forces(palp_network *net, const network_blocks *blocks) {
 
 /* d = minus the elements' blocks times d. */
 PALP_CLONES
-static void blocks_times(size_t n, const double *restrict force, const double *restrict inverse_length,
-                         const double *restrict tangent, const double *restrict inverse_rest,
-                         const double *restrict n0, const double *restrict n1, const double *restrict n2,
-                         double *restrict d0, double *restrict d1, double *restrict d2) {
+static void multiply_element_blocks(size_t n, const double *restrict force,
+                                    const double *restrict inverse_length, const double *restrict tangent,
+                                    const double *restrict inverse_rest, const double *restrict n0,
+                                    const double *restrict n1, const double *restrict n2, double *restrict d0,
+                                    double *restrict d1, double *restrict d2) {
     for (size_t i = 0; i < n; i++) {
         double across = -force[i] * inverse_length[i], stiffness = -tangent[i] * inverse_rest[i] - across;
         double along = stiffness * (n0[i] * d0[i] + n1[i] * d1[i] + n2[i] * d2[i]);
@@ -444,15 +449,15 @@ void network_tangent_times(const palp_network *net, const double *u, double *out
     const size_t m = net->n_elements;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         out[i] = net->diagonal[i] * u[i];
-    begin_exchange(net, u);
+    begin_exchange_by_axis(net, u);
     for (size_t at = 0; at < m; at += CHUNK) {
-        chunk c = chunk_at(net, at);
+        chunk c = chunk_of_elements_at(net, at);
         const double *n = net->direction + at;
-        fetch(net, u, &c);
-        blocks_times(c.n, net->force + at, net->inverse_length + at, net->tangent + at,
-                     net->inverse_rest + at, n, n + m, n + 2 * m, c.d[0], c.d[1], c.d[2]);
-        deliver(net, &c, out);
+        fetch_chunk_differences(net, u, &c);
+        multiply_element_blocks(c.n, net->force + at, net->inverse_length + at, net->tangent + at,
+                                net->inverse_rest + at, n, n + m, n + 2 * m, c.d[0], c.d[1], c.d[2]);
+        deliver_chunk_forces(net, &c, out);
     }
-    end_exchange(net, out);
+    add_delivered_forces(net, out);
     NETWORK_EACH_TERM(net, times, net, u, out);
 }

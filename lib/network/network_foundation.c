@@ -8,8 +8,8 @@ typedef struct foundation {
     double *stiffness; /* [3 n_nodes] N/m */
 } foundation;
 
-static void foundation_residual(const network_term *term, const palp_network *net, double *r,
-                                double *squares) {
+static void add_foundation_residual(const network_term *term, const palp_network *net, double *r,
+                                    double *squares) {
     const double *k = ((const foundation *)term)->stiffness;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0) {
@@ -18,12 +18,12 @@ static void foundation_residual(const network_term *term, const palp_network *ne
         }
 }
 
-static void foundation_diagonal(const network_term *term, const palp_network *net, double *d) {
+static void add_foundation_diagonal(const network_term *term, const palp_network *net, double *d) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         d[i] += ((const foundation *)term)->stiffness[i];
 }
 
-static bool foundation_energy(const network_term *term, const palp_network *net, double *energy) {
+static bool add_foundation_energy(const network_term *term, const palp_network *net, double *energy) {
     const double *k = ((const foundation *)term)->stiffness;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0) {
@@ -33,19 +33,20 @@ static bool foundation_energy(const network_term *term, const palp_network *net,
     return true;
 }
 
-static const network_term_kind FOUNDATION = {
-    .residual = foundation_residual, .diagonal = foundation_diagonal, .energy = foundation_energy};
+static const network_term_kind FOUNDATION = {.residual = add_foundation_residual,
+                                             .diagonal = add_foundation_diagonal,
+                                             .energy = add_foundation_energy};
 
-static foundation *find(const palp_network *net) {
+static foundation *find_foundation_term(const palp_network *net) {
     return (foundation *)network_find_term(net, &FOUNDATION);
 }
 
 const double *network_foundation(const palp_network *net) {
-    const foundation *t = find(net);
+    const foundation *t = find_foundation_term(net);
     return t ? t->stiffness : NULL;
 }
 
-static palp_status add(palp_network *net) {
+static palp_status add_foundation_term(palp_network *net) {
     foundation *t = network_term_new(&FOUNDATION, sizeof *t);
     if (t)
         t->stiffness = arena_take(&t->term.memory, 3 * net->n_nodes, sizeof *t->stiffness);
@@ -57,8 +58,8 @@ palp_status network_set_foundation(palp_network *net, const char *set, double sh
     size_t n;
     double start;
     palp_status status = palp_mesh_set(net->mesh, set, &n, &nodes);
-    if (!status && !find(net))
-        status = add(net);
+    if (!status && !find_foundation_term(net))
+        status = add_foundation_term(net);
     if (status)
         return status;
     unsigned char *listed = calloc(net->n_nodes, 1);
@@ -66,7 +67,7 @@ palp_status network_set_foundation(palp_network *net, const char *set, double sh
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n; i++)
         listed[nodes[i]] = 1;
-    double *stiffness = find(net)->stiffness;
+    double *stiffness = find_foundation_term(net)->stiffness;
     palp_law_stiffness(&net->material.law, 0.0, &start, NULL);
     for (size_t j = 0; j < 2 * net->n_elements; j++)
         for (size_t k = 0; k < 3 && listed[net->pair[j]]; k++)

@@ -8,13 +8,13 @@ typedef struct gravity {
     double acceleration[3]; /* m/s^2 */
 } gravity;
 
-static void gravity_evaluate(network_term *term, palp_network *net) {
+static void evaluate_gravity_forces(network_term *term, palp_network *net) {
     const gravity *t = (const gravity *)term;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         net->outer[i] += net->mass[i / 3] * t->acceleration[i % 3];
 }
 
-static bool gravity_energy(const network_term *term, const palp_network *net, double *energy) {
+static bool add_gravity_energy(const network_term *term, const palp_network *net, double *energy) {
     const double *g = ((const gravity *)term)->acceleration;
     for (size_t i = 0; i < net->n_nodes; i++) {
         const double *x = net->next.x + 3 * i, *rest = net->rest + 3 * i;
@@ -24,7 +24,7 @@ static bool gravity_energy(const network_term *term, const palp_network *net, do
     return true;
 }
 
-static const network_term_kind GRAVITY = {.evaluate = gravity_evaluate, .energy = gravity_energy};
+static const network_term_kind GRAVITY = {.evaluate = evaluate_gravity_forces, .energy = add_gravity_energy};
 
 network_term *network_gravity_new(const double acceleration_m_s2[3]) {
     gravity *t = network_term_new(&GRAVITY, sizeof *t);

@@ -14,7 +14,7 @@ typedef struct alpha {
     double m, f, beta, gamma;
 } alpha;
 
-static alpha alpha_of(double rho) {
+static alpha generalized_alpha_factors(double rho) {
     alpha a = {.m = (2.0 * rho - 1.0) / (rho + 1.0), .f = rho / (rho + 1.0)};
     a.beta = 0.25 * (1.0 - a.m + a.f) * (1.0 - a.m + a.f);
     a.gamma = 0.5 - a.m + a.f;
@@ -22,14 +22,14 @@ static alpha alpha_of(double rho) {
 }
 
 /* Prepares the step: the residual is mass times factor x, less known. */
-static void inertia_begin(network_term *term, palp_network *net) {
+static void begin_inertia_step(network_term *term, palp_network *net) {
     inertia *t = (inertia *)term;
     const double dt = net->step.dt;
     t->factor = 0.0;
     if (isinf(dt))
         return;
     const network_state *s = &net->now;
-    alpha a = alpha_of(net->settings.spectral_radius);
+    alpha a = generalized_alpha_factors(net->settings.spectral_radius);
     bool euler = net->settings.integrator == PALP_BACKWARD_EULER;
     double share = (1.0 - a.m) / (1.0 - a.f);
     t->factor = euler ? 1.0 / (dt * dt) : share / (a.beta * dt * dt);
@@ -42,12 +42,12 @@ static void inertia_begin(network_term *term, palp_network *net) {
     }
 }
 
-static void inertia_finish(network_term *term, palp_network *net) {
+static void finish_inertia_step(network_term *term, palp_network *net) {
     (void)term;
     const double dt = net->step.dt;
     const network_state *s = &net->now;
     network_state *t = &net->next;
-    alpha a = alpha_of(net->settings.spectral_radius);
+    alpha a = generalized_alpha_factors(net->settings.spectral_radius);
     for (size_t i = 0; i < 3 * net->n_nodes; i++) {
         if (isinf(dt)) {
             t->velocity[i] = t->acceleration[i] = 0.0;
@@ -63,7 +63,8 @@ static void inertia_finish(network_term *term, palp_network *net) {
     }
 }
 
-static void inertia_residual(const network_term *term, const palp_network *net, double *r, double *squares) {
+static void add_inertia_residual(const network_term *term, const palp_network *net, double *r,
+                                 double *squares) {
     const inertia *t = (const inertia *)term;
     for (size_t i = 0; i < 3 * net->n_nodes && t->factor > 0.0; i++) {
         if (net->dof[i] < 0)
@@ -74,13 +75,13 @@ static void inertia_residual(const network_term *term, const palp_network *net, 
     }
 }
 
-static void inertia_diagonal(const network_term *term, const palp_network *net, double *d) {
+static void add_inertia_diagonal(const network_term *term, const palp_network *net, double *d) {
     const inertia *t = (const inertia *)term;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         d[i] += net->mass[i / 3] * t->factor;
 }
 
-static bool inertia_energy(const network_term *term, const palp_network *net, double *energy) {
+static bool add_inertia_energy(const network_term *term, const palp_network *net, double *energy) {
     const inertia *t = (const inertia *)term;
     for (size_t i = 0; i < 3 * net->n_nodes && t->factor > 0.0; i++)
         if (net->dof[i] >= 0) {
@@ -90,11 +91,11 @@ static bool inertia_energy(const network_term *term, const palp_network *net, do
     return true;
 }
 
-static const network_term_kind INERTIA = {.begin = inertia_begin,
-                                          .finish = inertia_finish,
-                                          .residual = inertia_residual,
-                                          .diagonal = inertia_diagonal,
-                                          .energy = inertia_energy};
+static const network_term_kind INERTIA = {.begin = begin_inertia_step,
+                                          .finish = finish_inertia_step,
+                                          .residual = add_inertia_residual,
+                                          .diagonal = add_inertia_diagonal,
+                                          .energy = add_inertia_energy};
 
 network_term *network_inertia_new(const palp_network *net) {
     inertia *t = network_term_new(&INERTIA, sizeof *t);

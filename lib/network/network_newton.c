@@ -15,21 +15,21 @@ static const double STUCK = 0.02;       /* residual line search: a shorter step 
 enum { STANDSTILL = 6 };                /* consecutive full iterations without notable progress */
 static const double FIRST_SHIFT = 1e-4; /* relative to the largest diagonal, to make a tangent definite */
 
-static void gather(const palp_network *net, double *x) {
+static void gather_free_coordinates(const palp_network *net, double *x) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
             x[net->dof[i]] = net->next.x[i];
 }
 
 /* next.x = start + alpha dx, then evaluates. */
-static bool move(palp_network *net, double alpha) {
+static bool move_along_newton_step(palp_network *net, double alpha) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
             net->next.x[i] = net->start[net->dof[i]] + alpha * net->dx[net->dof[i]];
     return network_evaluate(net);
 }
 
-static double dot(const double *a, const double *b, size_t n) {
+static double dot_product_of_vectors(const double *a, const double *b, size_t n) {
     double sum = 0.0;
     for (size_t i = 0; i < n; i++)
         sum += a[i] * b[i];
@@ -37,18 +37,18 @@ static double dot(const double *a, const double *b, size_t n) {
 }
 
 /* dx = K^-1 rhs with the present factor; start = next's unknowns. */
-static void solve_direction(palp_network *net, palp_step_info *info) {
+static void solve_newton_direction(palp_network *net, palp_step_info *info) {
     memcpy(net->dx, net->rhs, net->n_free * sizeof *net->dx);
     linsys_solve(net->ls, net->dx);
-    gather(net, net->start);
+    gather_free_coordinates(net, net->start);
     info->iterations++;
 }
 
 /* Halves the step until the residual falls; with one_step tries only the full step. */
-static bool reduce_residual(palp_network *net, bool one_step, double *residual, double *scale) {
+static bool halve_until_residual_falls(palp_network *net, bool one_step, double *residual, double *scale) {
     double before = *residual;
     for (double alpha = 1.0; alpha >= STUCK; alpha *= 0.5) {
-        if (move(net, alpha)) {
+        if (move_along_newton_step(net, alpha)) {
             *residual = network_residual(net, scale);
             if (*residual <= (1.0 - 1e-4 * alpha) * before || *residual <= *scale)
                 return true;
@@ -61,7 +61,7 @@ static bool reduce_residual(palp_network *net, bool one_step, double *residual, 
 
 /* Newton iteration on the residual, for any sign of the tangent. Expensive factors are kept as long as they
  * contract. */
-static palp_status follow_branch(palp_network *net, palp_step_info *info) {
+static palp_status solve_on_current_branch(palp_network *net, palp_step_info *info) {
     double scale, residual = network_residual(net, &scale);
     bool keep = net->factored && (net->reuse_factor || residual <= NEAR * scale);
     for (int i = 0, idle = 0; residual > scale; i++) {
@@ -74,13 +74,13 @@ static palp_status follow_branch(palp_network *net, palp_step_info *info) {
                 return status;
         }
         double before = residual;
-        solve_direction(net, info);
-        if (reduce_residual(net, keep, &residual, &scale)) {
+        solve_newton_direction(net, info);
+        if (halve_until_residual_falls(net, keep, &residual, &scale)) {
             idle = !keep && residual > 0.8 * before ? idle + 1 : 0;
             keep = net->reuse_factor && residual <= SLOW * before;
             continue;
         }
-        if (!move(net, 0.0))
+        if (!move_along_newton_step(net, 0.0))
             return PALP_ERR_NOT_CONVERGED;
         residual = network_residual(net, &scale);
         if (!keep && residual <= AT_FOLD * scale)
@@ -95,7 +95,7 @@ static palp_status follow_branch(palp_network *net, palp_step_info *info) {
 
 /* Factors the tangent, with a shift if that is needed to make it positive definite. *shift = 0: not
  * needed. */
-static palp_status factor_definite(palp_network *net, double *shift) {
+static palp_status factor_positive_definite(palp_network *net, double *shift) {
     int negative = 0;
     palp_status status = network_factor(net, 0.0, &negative);
     *shift = 0.0;
@@ -113,17 +113,17 @@ static palp_status factor_definite(palp_network *net, double *shift) {
 }
 
 /* Armijo line search along dx on the energy, or on the slope along dx if there is no energy. */
-static bool descend(palp_network *net, double *residual, double *scale) {
-    double energy, start, slope = -dot(net->rhs, net->dx, net->n_free), before = *residual;
+static bool search_line_downhill(palp_network *net, double *residual, double *scale) {
+    double energy, start, slope = -dot_product_of_vectors(net->rhs, net->dx, net->n_free), before = *residual;
     bool known = network_energy(net, &start);
     for (double alpha = 1.0; alpha >= SHORTEST; alpha *= 0.5) {
-        if (!move(net, alpha))
+        if (!move_along_newton_step(net, alpha))
             continue;
         *residual = network_residual(net, scale);
         if (*residual <= *scale)
             return true;
         if (!known) {
-            if (-dot(net->rhs, net->dx, net->n_free) <= -0.5 * slope)
+            if (-dot_product_of_vectors(net->rhs, net->dx, net->n_free) <= -0.5 * slope)
                 return true;
         } else if (network_energy(net, &energy) &&
                    (energy <= start + 1e-4 * alpha * slope ||
@@ -135,13 +135,13 @@ static bool descend(palp_network *net, double *residual, double *scale) {
 
 /* At an unstable equilibrium: a step along the softest direction of the shifted factor that lowers the
  * energy. The direction is found from fixed numbers, so that the result is reproducible. */
-static bool leave_saddle(palp_network *net) {
+static bool leave_unstable_equilibrium(palp_network *net) {
     enum { ROUNDS = 40 };
     double *v = net->dx, start, energy, largest = 0.0;
     for (size_t i = 0; i < net->n_free; i++)
         v[i] = (double)((i * 7919 + 13) % 1009) / 1009.0 - 0.5;
     for (int k = 0; k < ROUNDS; k++) {
-        double norm = sqrt(dot(v, v, net->n_free));
+        double norm = sqrt(dot_product_of_vectors(v, v, net->n_free));
         for (size_t i = 0; i < net->n_free; i++)
             v[i] /= norm;
         linsys_solve(net->ls, v);
@@ -149,19 +149,19 @@ static bool leave_saddle(palp_network *net) {
     for (size_t i = 0; i < net->n_free; i++)
         largest = fmax(largest, fabs(v[i]));
     bool known = network_energy(net, &start);
-    gather(net, net->start);
+    gather_free_coordinates(net, net->start);
     for (double reach = 0.02 * net->extent; reach > 1e-9 * net->extent; reach *= 0.5)
         for (int sign = 1; sign >= -1; sign -= 2)
-            if (move(net, sign * reach / largest) &&
+            if (move_along_newton_step(net, sign * reach / largest) &&
                 (!known || (network_energy(net, &energy) && energy < start)))
                 return true;
     return false;
 }
 
-static palp_status follow_stable(palp_network *net, palp_step_info *info) {
+static palp_status solve_on_stable_branch(palp_network *net, palp_step_info *info) {
     double scale, shift, residual = network_residual(net, &scale);
     for (int i = 0; i < 4 * net->settings.max_iterations; i++) {
-        palp_status status = factor_definite(net, &shift);
+        palp_status status = factor_positive_definite(net, &shift);
         net->factored = !status;
         if (status)
             return status;
@@ -172,13 +172,13 @@ static palp_status follow_stable(palp_network *net, palp_step_info *info) {
                 info->residual = scale > 0.0 ? net->settings.tolerance * residual / scale : 0.0;
                 return PALP_OK;
             }
-            if (!leave_saddle(net))
+            if (!leave_unstable_equilibrium(net))
                 return PALP_ERR_BUCKLED;
             residual = network_residual(net, &scale);
             continue;
         }
-        solve_direction(net, info);
-        if (!descend(net, &residual, &scale))
+        solve_newton_direction(net, info);
+        if (!search_line_downhill(net, &residual, &scale))
             return PALP_ERR_NOT_CONVERGED;
     }
     return PALP_ERR_NOT_CONVERGED;
@@ -186,7 +186,7 @@ static palp_status follow_stable(palp_network *net, palp_step_info *info) {
 
 palp_status network_newton(palp_network *net, palp_step_info *info) {
     if (net->settings.branch == PALP_BRANCH_STABLE)
-        return follow_stable(net, info);
-    palp_status status = follow_branch(net, info);
+        return solve_on_stable_branch(net, info);
+    palp_status status = solve_on_current_branch(net, info);
     return status == PALP_ERR_NOT_CONVERGED && info->negative_pivots > 0 ? PALP_ERR_BUCKLED : status;
 }

@@ -6,12 +6,12 @@
 #include <stdlib.h>
 
 /* Pair i of nodes with a block: first those of elements, then the others. */
-static const int32_t *joined(const palp_network *net, size_t i) {
+static const int32_t *nodes_of_joined_pair(const palp_network *net, size_t i) {
     return i < net->n_elements ? net->pair + 2 * i : net->other_pair + 2 * (i - net->n_elements);
 }
 
 /* Neighbours of each node with a higher or equal number, ascending: [first[a], first[a + 1]). */
-static palp_status neighbours(const palp_network *net, size_t **first, int32_t **list) {
+static palp_status list_higher_neighbours(const palp_network *net, size_t **first, int32_t **list) {
     size_t n = net->n_nodes, n_pairs = net->n_elements + net->n_other_pairs,
            *count = calloc(n + 2, sizeof *count);
     int32_t *out = malloc((n + n_pairs + 1) * sizeof *out);
@@ -23,7 +23,7 @@ static palp_status neighbours(const palp_network *net, size_t **first, int32_t *
     for (size_t i = 0; i < n; i++)
         count[i + 2] = 1;
     for (size_t i = 0; i < n_pairs; i++) {
-        int32_t a = joined(net, i)[0], b = joined(net, i)[1];
+        int32_t a = nodes_of_joined_pair(net, i)[0], b = nodes_of_joined_pair(net, i)[1];
         count[(a < b ? a : b) + 2]++;
     }
     for (size_t i = 2; i < n + 2; i++)
@@ -31,7 +31,7 @@ static palp_status neighbours(const palp_network *net, size_t **first, int32_t *
     for (size_t i = 0; i < n; i++)
         out[count[i + 1]++] = (int32_t)i;
     for (size_t i = 0; i < n_pairs; i++) {
-        int32_t a = joined(net, i)[0], b = joined(net, i)[1];
+        int32_t a = nodes_of_joined_pair(net, i)[0], b = nodes_of_joined_pair(net, i)[1];
         out[count[(a < b ? a : b) + 1]++] = a < b ? b : a;
     }
     for (size_t i = 0; i < n; i++) /* insertion sort, as a node has few neighbours */
@@ -48,8 +48,8 @@ static palp_status neighbours(const palp_network *net, size_t **first, int32_t *
 }
 
 /* Lower triangle of the tangent by columns; only counts if row is NULL. */
-static size_t fill_pattern(const palp_network *net, const size_t *first, const int32_t *list, size_t *column,
-                           int32_t *row) {
+static size_t fill_tangent_pattern(const palp_network *net, const size_t *first, const int32_t *list,
+                                   size_t *column, int32_t *row) {
     size_t nz = 0;
     for (size_t a = 0; a < net->n_nodes; a++)
         for (size_t k = 0; k < 3; k++) {
@@ -71,15 +71,15 @@ static size_t fill_pattern(const palp_network *net, const size_t *first, const i
     return nz;
 }
 
-static palp_status make_linsys(palp_network *net) {
+static palp_status create_linear_system(palp_network *net) {
     size_t *first = NULL, *column = malloc((net->n_free + 1) * sizeof *column);
     int32_t *list = NULL, *row = NULL;
-    palp_status status = column ? neighbours(net, &first, &list) : PALP_ERR_NO_MEMORY;
+    palp_status status = column ? list_higher_neighbours(net, &first, &list) : PALP_ERR_NO_MEMORY;
     if (!status) {
-        size_t nz = fill_pattern(net, first, list, column, NULL);
+        size_t nz = fill_tangent_pattern(net, first, list, column, NULL);
         row = malloc((nz + 1) * sizeof *row);
         if (row)
-            fill_pattern(net, first, list, column, row);
+            fill_tangent_pattern(net, first, list, column, row);
         status = row ? linsys_create(net->settings.solver, net->n_free, column, row, &net->ls)
                      : PALP_ERR_NO_MEMORY;
     }
@@ -90,7 +90,7 @@ static palp_status make_linsys(palp_network *net) {
     return status;
 }
 
-static uint32_t slot_of(const palp_network *net, size_t i, size_t j) {
+static uint32_t find_slot_of_coordinates(const palp_network *net, size_t i, size_t j) {
     int32_t a = net->dof[i], b = net->dof[j];
     if (a < 0 || b < 0)
         return (uint32_t)linsys_value_count(net->ls); /* the slot that is ignored */
@@ -98,29 +98,30 @@ static uint32_t slot_of(const palp_network *net, size_t i, size_t j) {
                             : linsys_slot(net->ls, (size_t)b, (size_t)a));
 }
 
-static palp_status find_slots(palp_network *net) {
+static palp_status find_slots_of_blocks(palp_network *net) {
     if (linsys_value_count(net->ls) >= UINT32_MAX)
         return PALP_ERR_LIMIT;
     for (size_t i = 0; i < net->n_elements + net->n_other_pairs; i++) {
-        const int32_t *pair = joined(net, i);
+        const int32_t *pair = nodes_of_joined_pair(net, i);
         uint32_t *slot =
             i < net->n_elements ? net->slot + 9 * i : net->other_slot + 9 * (i - net->n_elements);
         for (size_t r = 0; r < 3; r++)
             for (size_t c = 0; c < 3; c++)
-                slot[3 * r + c] = slot_of(net, 3 * (size_t)pair[1] + r, 3 * (size_t)pair[0] + c);
+                slot[3 * r + c] =
+                    find_slot_of_coordinates(net, 3 * (size_t)pair[1] + r, 3 * (size_t)pair[0] + c);
     }
     for (size_t i = 0; i < net->n_nodes; i++) {
         uint32_t *s = net->slot_node + 6 * i;
         for (size_t r = 0; r < 3; r++)
             for (size_t c = 0; c <= r; c++)
-                *s++ = slot_of(net, 3 * i + r, 3 * i + c);
+                *s++ = find_slot_of_coordinates(net, 3 * i + r, 3 * i + c);
     }
     return PALP_OK;
 }
 
 palp_status network_make_pattern(palp_network *net) {
-    palp_status status = make_linsys(net);
-    return status ? status : find_slots(net);
+    palp_status status = create_linear_system(net);
+    return status ? status : find_slots_of_blocks(net);
 }
 
 palp_status network_add_pairs(palp_network *net, size_t n, const int32_t *low, const int32_t *high) {
@@ -147,7 +148,7 @@ palp_status network_add_pairs(palp_network *net, size_t n, const int32_t *low, c
     return PALP_OK;
 }
 
-static int by_ends(const void *a, const void *b) {
+static int compare_pairs_by_ends(const void *a, const void *b) {
     const int32_t *p = a, *q = b;
     if (p[0] != q[0])
         return p[0] < q[0] ? -1 : 1;
@@ -156,6 +157,7 @@ static int by_ends(const void *a, const void *b) {
 
 const uint32_t *network_other_slots(const palp_network *net, int32_t low, int32_t high) {
     const int32_t key[2] = {low, high}, *list = net->other_pair;
-    const int32_t *found = list ? bsearch(key, list, net->n_other_pairs, sizeof key, by_ends) : NULL;
+    const int32_t *found =
+        list ? bsearch(key, list, net->n_other_pairs, sizeof key, compare_pairs_by_ends) : NULL;
     return found ? net->other_slot + 9 * ((found - list) / 2) : NULL;
 }

@@ -10,7 +10,7 @@ typedef struct run {
     palp_run_info *info;
 } run;
 
-static palp_status observe(const run *r, double time) {
+static palp_status observe_committed_state(const run *r, double time) {
     const palp_network *net = r->net;
     const double beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));
     r->info->peak_force_N = fmax(r->info->peak_force_N, fabs(net->now.force));
@@ -25,7 +25,7 @@ static palp_status observe(const run *r, double time) {
 
 /* One trial step to the path's value at time t. Creep commits at once, since it finds its depth by several
  * tries. */
-static palp_status advance(run *r, double t, double dt, bool commit) {
+static palp_status advance_to_path_time(run *r, double t, double dt, bool commit) {
     palp_step_info step = {0};
     double target = palp_path_at(r->path, t), length = r->settings->relaxed ? INFINITY : dt;
     palp_status status = r->path->depth_m ? palp_network_try(r->net, target, length, &step)
@@ -38,26 +38,26 @@ static palp_status advance(run *r, double t, double dt, bool commit) {
     return status;
 }
 
-static palp_status fixed_segment(run *r, double from, double to) {
+static palp_status run_segment_in_fixed_steps(run *r, double from, double to) {
     double count = ceil((to - from) / r->settings->dt_s * (1.0 - 1e-12));
     palp_status status = PALP_OK;
     for (double i = 1.0; i <= count && !status; i += 1.0) {
         double t = i < count ? from + (to - from) * i / count : to;
-        status = advance(r, t, (to - from) / count, true);
+        status = advance_to_path_time(r, t, (to - from) / count, true);
         r->info->steps += !status;
         if (!status)
-            status = observe(r, t);
+            status = observe_committed_state(r, t);
     }
     return status;
 }
 
 /* The quantity whose error is estimated: the force, or in creep the depth. */
-static double measure(const run *r, const network_state *s) {
+static double error_measure_of_state(const run *r, const network_state *s) {
     return r->path->depth_m ? s->force : s->depth;
 }
 
 /* Order of the error of a run in dt. */
-static double order_of(const palp_network *net) {
+static double convergence_order_of_run(const palp_network *net) {
     bool arms = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
     bool first = arms || net->material.dashpot_Ns > 0.0 ||
                  (net->mass && net->settings.integrator == PALP_BACKWARD_EULER);
@@ -66,27 +66,28 @@ static double order_of(const palp_network *net) {
 
 /* Step doubling: one whole step and two halves, which are kept. For order p the error is 1 / (2^p - 1) of the
  * difference. */
-static palp_status doubled_step(run *r, double t, double h, double *error) {
+static palp_status step_whole_and_halved(run *r, double t, double h, double *error) {
     palp_network *net = r->net;
-    palp_status status = advance(r, t + h, h, false);
+    palp_status status = advance_to_path_time(r, t + h, h, false);
     double whole = r->path->depth_m ? net->next.force : net->now.depth;
     if (status)
         return status;
     if (!r->path->depth_m)
         network_mark_restore(net);
-    status = advance(r, t + 0.5 * h, 0.5 * h, true);
+    status = advance_to_path_time(r, t + 0.5 * h, 0.5 * h, true);
     if (!status)
-        status = advance(r, t + h, 0.5 * h, true);
-    *error = fabs(measure(r, &net->now) - whole) / (order_of(net) > 1.0 ? 3.0 : 1.0);
+        status = advance_to_path_time(r, t + h, 0.5 * h, true);
+    *error = fabs(error_measure_of_state(r, &net->now) - whole) /
+             (convergence_order_of_run(net) > 1.0 ? 3.0 : 1.0);
     return status;
 }
 
-static bool may_shrink(palp_status status) {
+static bool may_shorter_step_help(palp_status status) {
     return status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED;
 }
 
 /* A step that first meets a loss of stability is shortened until its depth is known to check_strain. */
-static bool locates_buckling(const palp_network *net, bool before) {
+static bool must_locate_buckling(const palp_network *net, bool before) {
     return net->buckled && !before &&
            fabs(net->unstable_depth - net->checked_depth) > net->settings.check_strain * net->height;
 }
@@ -95,38 +96,39 @@ static bool locates_buckling(const palp_network *net, bool before) {
  * dwell. The corners of a path of many segments, such as a recording, show most of it. */
 enum { SEGMENT_SAMPLES = 50, PATH_SAMPLES = 2000 };
 
-static double samples_of_segment(const palp_path *path) {
+static double sample_count_of_segment(const palp_path *path) {
     double share = PATH_SAMPLES / (double)(path->n - 1);
     return fmax(1.0, fmin(share, SEGMENT_SAMPLES));
 }
 
-static double longest_step(const run *r, double from, double to, double t) {
-    double length = to - from, samples = samples_of_segment(r->path);
+static double longest_step_at_time(const run *r, double from, double to, double t) {
+    double length = to - from, samples = sample_count_of_segment(r->path);
     bool dwell = palp_path_at(r->path, from) == palp_path_at(r->path, to);
     double first = samples < SEGMENT_SAMPLES ? 1.0 / samples : 1e-3;
     return dwell ? fmax(0.1 * (t - from), first * length) : length / samples;
 }
 
-static palp_status adaptive_segment(run *r, double from, double to, double *step) {
-    const double power = -1.0 / (1.0 + order_of(r->net)); /* a step of order p has an error of h^(p + 1) */
+static palp_status run_segment_adaptively(run *r, double from, double to, double *step) {
+    const double power =
+        -1.0 / (1.0 + convergence_order_of_run(r->net)); /* a step of order p has an error of h^(p + 1) */
     const double smallest = fmax(1e-9 * (to - from), 1e-3 * r->settings->dt_min_s);
     double t = from;
     while (t < to) {
-        double h = fmin(fmin(*step, longest_step(r, from, to, t)), to - t), error = 0.0;
+        double h = fmin(fmin(*step, longest_step_at_time(r, from, to, t)), to - t), error = 0.0;
         bool buckled = r->net->buckled;
         double checked = r->net->checked_depth;
         if (to - t - h < 0.1 * h)
             h = to - t;
         network_mark_save(r->net);
-        palp_status status = doubled_step(r, t, h, &error);
-        if (status && !may_shrink(status)) {
+        palp_status status = step_whole_and_halved(r, t, h, &error);
+        if (status && !may_shorter_step_help(status)) {
             network_mark_restore(r->net);
             return status;
         }
         double scale =
             r->path->depth_m ? fmax(r->info->peak_force_N, fabs(r->net->now.force)) : r->net->height;
         double ratio = status ? 64.0 : error / (r->settings->tolerance * scale + 1e-300);
-        bool cut = !status && locates_buckling(r->net, buckled);
+        bool cut = !status && must_locate_buckling(r->net, buckled);
         if ((ratio > 1.0 || cut) && h > smallest) {
             network_mark_restore(r->net);
             r->net->buckled = buckled;
@@ -141,7 +143,7 @@ static palp_status adaptive_segment(run *r, double from, double to, double *step
         }
         t = to - t - h <= 0.0 ? to : t + h;
         r->info->steps += 2;
-        status = observe(r, t);
+        status = observe_committed_state(r, t);
         if (status)
             return status;
         *step = h * fmin(3.0, 0.9 * pow(ratio + 1e-6, power));
@@ -149,7 +151,7 @@ static palp_status adaptive_segment(run *r, double from, double to, double *step
     return PALP_OK;
 }
 
-static palp_status check(const run *r) {
+static palp_status check_run_settings(const run *r) {
     const palp_path *p = r->path;
     const palp_run_settings *s = r->settings;
     if (p->n == 0 || (!p->depth_m && !p->force_N) || !(s->tolerance >= 0.0) || !(s->dt_min_s >= 0.0))
@@ -163,17 +165,18 @@ palp_status palp_network_run(palp_network *network, const palp_path *path, const
         return PALP_ERR_ARGUMENT;
     palp_run_info local = {0};
     run r = {network, path, settings, &local};
-    palp_status status = check(&r);
+    palp_status status = check_run_settings(&r);
     double start = status ? 0.0 : palp_path_at(path, path->time_s[0]);
     if (!status && start != (path->depth_m ? network->now.depth : network->now.force))
-        status = advance(&r, path->time_s[0], 0.0, true);
+        status = advance_to_path_time(&r, path->time_s[0], 0.0, true);
     if (!status)
-        status = observe(&r, path->time_s[0]);
+        status = observe_committed_state(&r, path->time_s[0]);
     for (size_t i = 0; i + 1 < path->n && !status; i++) {
         double from = path->time_s[i], to = path->time_s[i + 1];
-        double step = settings->dt_min_s > 0.0 ? settings->dt_min_s : (to - from) / samples_of_segment(path);
-        status =
-            settings->tolerance > 0.0 ? adaptive_segment(&r, from, to, &step) : fixed_segment(&r, from, to);
+        double step =
+            settings->dt_min_s > 0.0 ? settings->dt_min_s : (to - from) / sample_count_of_segment(path);
+        status = settings->tolerance > 0.0 ? run_segment_adaptively(&r, from, to, &step)
+                                           : run_segment_in_fixed_steps(&r, from, to);
     }
     if (info)
         *info = local;

@@ -7,7 +7,7 @@
 
 /* ---- memory -------------------------------------------------------------------------------------- */
 
-static void allocate(const palp_network *net, arena *memory, network_state *s) {
+static void allocate_state_arrays(const palp_network *net, arena *memory, network_state *s) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
     s->x = arena_take(memory, n3, sizeof(double));
     s->inner = arena_take(memory, n3, sizeof(double));
@@ -40,7 +40,7 @@ void network_pass(network_cursor *c, void *data, size_t bytes) {
 }
 
 /* The committed state, with that of the terms. */
-static void pass_now(palp_network *net, network_cursor *c) {
+static void pass_committed_state(palp_network *net, network_cursor *c) {
     network_state *s = &net->now;
     const size_t n3 = 3 * net->n_nodes * sizeof(double), m = net->n_elements * sizeof(double);
     void *arrays[] = {s->x,
@@ -78,7 +78,7 @@ static void pass_now(palp_network *net, network_cursor *c) {
 }
 
 /* What the predictor keeps of earlier states and of the branch. */
-static void pass_past(palp_network *net, network_cursor *c) {
+static void pass_predictor_state(palp_network *net, network_cursor *c) {
     for (size_t i = 0; i < NETWORK_PAST; i++)
         network_pass(c, net->past[i], 3 * net->n_nodes * sizeof *net->past[i]);
     network_pass(c, net->past_depth, sizeof net->past_depth);
@@ -89,9 +89,9 @@ static void pass_past(palp_network *net, network_cursor *c) {
     network_pass(c, &net->unstable_depth, sizeof net->unstable_depth);
 }
 
-static bool allocate_mark(palp_network *net) {
+static bool allocate_restore_mark(palp_network *net) {
     network_cursor c = {.way = NETWORK_COUNT};
-    pass_now(net, &c);
+    pass_committed_state(net, &c);
     unsigned char *mark = realloc(net->mark, c.bytes);
     if (mark)
         net->mark = mark;
@@ -107,15 +107,15 @@ palp_status network_allocate_states(palp_network *net) {
     network_state old[2] = {net->now, net->next}, fresh[2] = {{0}};
     double *past[NETWORK_PAST], *own_force = NULL;
     arena memory = {NULL, false};
-    allocate(net, &memory, &fresh[0]);
-    allocate(net, &memory, &fresh[1]);
+    allocate_state_arrays(net, &memory, &fresh[0]);
+    allocate_state_arrays(net, &memory, &fresh[1]);
     if (fresh[0].vector)
         own_force = arena_take(&memory, net->n_elements, sizeof *own_force);
     for (size_t i = 0; i < NETWORK_PAST; i++) /* a step swaps them with a state's x */
         past[i] = arena_take(&memory, 3 * net->n_nodes, sizeof *past[i]);
     net->now = fresh[0];
     net->next = fresh[1];
-    bool ok = !memory.failed && allocate_mark(net);
+    bool ok = !memory.failed && allocate_restore_mark(net);
     if (!ok) {
         net->now = old[0];
         net->next = old[1];
@@ -152,7 +152,7 @@ palp_status network_add_terms(palp_network *net, size_t n, network_term *const *
     for (size_t i = 0; i < n && ok; i++)
         net->terms[net->n_terms + i] = terms[i];
     net->n_terms += ok ? n : 0;
-    if (ok && allocate_mark(net)) {
+    if (ok && allocate_restore_mark(net)) {
         for (size_t i = 0; i < n; i++)
             if (terms[i]->kind->reset)
                 terms[i]->kind->reset(terms[i], net);
@@ -203,12 +203,12 @@ void palp_network_reset(palp_network *net) {
 
 void network_mark_save(palp_network *net) {
     network_cursor c = {NETWORK_SAVE, net->mark, 0};
-    pass_now(net, &c);
+    pass_committed_state(net, &c);
 }
 
 void network_mark_restore(palp_network *net) {
     network_cursor c = {NETWORK_RESTORE, net->mark, 0};
-    pass_now(net, &c);
+    pass_committed_state(net, &c);
     net->n_past = 0;
     net->trial = false;
 }
@@ -234,7 +234,7 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes) {
 }
 
 /* Distinguishes networks of another mesh, other supports, another material, density or integrator. */
-static uint64_t fingerprint(const palp_network *net) {
+static uint64_t fingerprint_of_network(const palp_network *net) {
     const palp_material *m = &net->material;
     const size_t n3 = 3 * net->n_nodes;
     const uint64_t number[] = {net->n_nodes,
@@ -272,15 +272,15 @@ size_t palp_network_state_size(const palp_network *net) {
         return 0;
     palp_network *counted = (palp_network *)net; /* counting changes nothing */
     network_cursor c = {.way = NETWORK_COUNT};
-    pass_now(counted, &c);
-    pass_past(counted, &c);
+    pass_committed_state(counted, &c);
+    pass_predictor_state(counted, &c);
     return sizeof(header) + c.bytes;
 }
 
-static header header_of(const palp_network *net, const void *buffer) {
+static header state_buffer_header(const palp_network *net, const void *buffer) {
     size_t size = palp_network_state_size(net);
     const unsigned char *state = (const unsigned char *)buffer + sizeof(header);
-    return (header){UINT64_C(0x70616c7061746534), size, fingerprint(net),
+    return (header){UINT64_C(0x70616c7061746534), size, fingerprint_of_network(net),
                     network_sum(NETWORK_SUM, state, size - sizeof(header))};
 }
 
@@ -291,19 +291,19 @@ palp_status palp_network_save(const palp_network *net, void *buffer, size_t size
         return PALP_ERR_ARGUMENT;
     network_cursor c = {NETWORK_SAVE, (unsigned char *)buffer + sizeof(header), 0};
     palp_network *saved = (palp_network *)net; /* saving only reads */
-    pass_now(saved, &c);
-    pass_past(saved, &c);
-    header h = header_of(net, buffer);
+    pass_committed_state(saved, &c);
+    pass_predictor_state(saved, &c);
+    header h = state_buffer_header(net, buffer);
     memcpy(buffer, &h, sizeof h);
     return PALP_OK;
 }
 
-static palp_status check_saved(const palp_network *net, const void *buffer, size_t size) {
+static palp_status check_saved_state(const palp_network *net, const void *buffer, size_t size) {
     header found, own;
     if (!buffer || size < palp_network_state_size(net))
         return PALP_ERR_ARGUMENT;
     memcpy(&found, buffer, sizeof found);
-    own = header_of(net, buffer);
+    own = state_buffer_header(net, buffer);
     if (memcmp(&found, &own, offsetof(header, sum)) != 0)
         return PALP_ERR_ARGUMENT;
     return found.sum == own.sum ? PALP_OK : PALP_ERR_INPUT;
@@ -312,12 +312,12 @@ static palp_status check_saved(const palp_network *net, const void *buffer, size
 palp_status palp_network_restore(palp_network *net, const void *buffer, size_t size) {
     if (!net || !buffer)
         return PALP_ERR_ARGUMENT;
-    palp_status status = check_saved(net, buffer, size);
+    palp_status status = check_saved_state(net, buffer, size);
     if (status)
         return status;
     network_cursor c = {NETWORK_RESTORE, (unsigned char *)buffer + sizeof(header), 0}; /* only read */
     net->trial = net->factored = net->exact = false;
-    pass_now(net, &c);
-    pass_past(net, &c);
+    pass_committed_state(net, &c);
+    pass_predictor_state(net, &c);
     return PALP_OK;
 }

@@ -45,7 +45,7 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
 
 /* Linear response of the last state to the plate's motion. ERR_SINGULAR: the tangent is singular, as that of
  * a mechanism at rest. */
-static palp_status predict_linear(palp_network *net, double depth) {
+static palp_status predict_along_tangent(palp_network *net, double depth) {
     int negative;
     double scale, move = depth - net->now.depth;
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
@@ -91,7 +91,7 @@ double network_longest_way(const palp_network *net) {
 }
 
 /* Newton iteration; repeated from there if terms had to find new contact points. */
-static palp_status equilibrium(palp_network *net, palp_step_info *info) {
+static palp_status find_equilibrium(palp_network *net, palp_step_info *info) {
     enum { ROUNDS = 5 };
     palp_status status = network_newton(net, info);
     for (int i = 0; i < ROUNDS && !status && network_refresh(net); i++)
@@ -102,7 +102,8 @@ static palp_status equilibrium(palp_network *net, palp_step_info *info) {
 /* Moves plate and terms in parts, none longer than terms can be followed at once. Each part starts from the
  * secant through the last two. History and time are those of the whole step: this only finds a better start
  * for Newton's iteration. */
-static palp_status approach(palp_network *net, double depth, double way, palp_step_info *info) {
+static palp_status approach_target_in_parts(palp_network *net, double depth, double way,
+                                            palp_step_info *info) {
     size_t size = 3 * net->n_nodes * sizeof(double);
     double reached = 0.0, before = 0.0, part = fmin(0.25, 1.0 / way);
     const double least = part / 512.0;
@@ -115,7 +116,7 @@ static palp_status approach(palp_network *net, double depth, double way, palp_st
             net->next.x[i] = net->way[0][i] + (ahead > 0.0 ? ahead * (net->way[0][i] - net->way[1][i]) : 0.0);
         network_place(net, target == 1.0 ? depth : net->now.depth + target * (depth - net->now.depth));
         NETWORK_EACH_TERM(net, place, net, target);
-        status = network_evaluate(net) ? equilibrium(net, info) : PALP_ERR_COLLAPSED;
+        status = network_evaluate(net) ? find_equilibrium(net, info) : PALP_ERR_COLLAPSED;
         if (status) {
             part *= 0.25;
             continue;
@@ -130,33 +131,34 @@ static palp_status approach(palp_network *net, double depth, double way, palp_st
 }
 
 /* From the last state, in parts if terms move farther than they can be followed at once. */
-static palp_status from_last(palp_network *net, double depth, palp_step_info *info) {
+static palp_status solve_from_last_state(palp_network *net, double depth, palp_step_info *info) {
     const double way = network_longest_way(net);
-    palp_status status = way > 1.0 ? PALP_ERR_NOT_CONVERGED : predict_linear(net, depth);
+    palp_status status = way > 1.0 ? PALP_ERR_NOT_CONVERGED : predict_along_tangent(net, depth);
     if (!status)
-        status = equilibrium(net, info);
+        status = find_equilibrium(net, info);
     if (status && status != PALP_ERR_NO_MEMORY && status != PALP_ERR_SINGULAR &&
         (depth != net->now.depth || way > 0.0) && !net->no_approach)
-        status = approach(net, depth, way, info);
+        status = approach_target_in_parts(net, depth, way, info);
     return status;
 }
 
 /* From the extrapolated state; if that fails, from the last one. */
-static palp_status follow(palp_network *net, double depth, double time, palp_step_info *info) {
+static palp_status solve_from_extrapolation(palp_network *net, double depth, double time,
+                                            palp_step_info *info) {
     palp_status status = PALP_ERR_NOT_CONVERGED;
     bool extrapolated = network_longest_way(net) <= 1.0 && network_extrapolate(net, depth, time, true) &&
                         network_evaluate(net);
     if (extrapolated)
-        status = equilibrium(net, info);
+        status = find_equilibrium(net, info);
     if (status && status != PALP_ERR_NO_MEMORY && !(extrapolated && net->no_approach)) {
         if (extrapolated)
             NETWORK_EACH_TERM(net, begin, net);
-        status = from_last(net, depth, info);
+        status = solve_from_last_state(net, depth, info);
     }
     return status;
 }
 
-static bool has_paths(const palp_network *net) {
+static bool has_any_tool_path(const palp_network *net) {
     bool any = false;
     for (size_t i = 0; i < net->n_terms; i++)
         any = any || net->terms[i]->kind->way;
@@ -165,16 +167,17 @@ static bool has_paths(const palp_network *net) {
 
 /* Tissue that slides off a tool snaps: where its branch ends or turns unstable, solves again for a stable
  * one. */
-static palp_status solve(palp_network *net, double depth, double time, palp_step_info *info) {
+static palp_status solve_to_stable_branch(palp_network *net, double depth, double time,
+                                          palp_step_info *info) {
     const palp_branch own = net->settings.branch;
-    palp_status status = follow(net, depth, time, info);
+    palp_status status = solve_from_extrapolation(net, depth, time, info);
     const bool ended = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED ||
                        status == PALP_ERR_COLLAPSED || (!status && info->negative_pivots > 0);
-    if (!ended || own != PALP_BRANCH_CONTINUE || net->no_approach || !has_paths(net))
+    if (!ended || own != PALP_BRANCH_CONTINUE || net->no_approach || !has_any_tool_path(net))
         return status;
     net->settings.branch = PALP_BRANCH_STABLE;
     NETWORK_EACH_TERM(net, begin, net);
-    status = from_last(net, depth, info);
+    status = solve_from_last_state(net, depth, info);
     net->settings.branch = own;
     net->left_branch = true;
     return status;
@@ -182,7 +185,7 @@ static palp_status solve(palp_network *net, double depth, double time, palp_step
 
 /* Assesses the inertia of the tangent at the solution: when Newton first met a negative pivot, or when the
  * plate has moved by check_strain since the last time. */
-static void assess_stability(palp_network *net, palp_step_info *info) {
+static void assess_tangent_stability(palp_network *net, palp_step_info *info) {
     bool due = fabs(net->next.depth - net->checked_depth) >= net->settings.check_strain * net->height;
     if (!net->buckled && (info->negative_pivots > 0 || (info->negative_pivots < 0 && due))) {
         int negative;
@@ -194,14 +197,14 @@ static void assess_stability(palp_network *net, palp_step_info *info) {
     net->trial_stable = info->negative_pivots == 0 && !net->left_branch;
 }
 
-static palp_status check_step(const palp_network *net, double depth, double dt) {
+static palp_status check_step_arguments(const palp_network *net, double depth, double dt) {
     const palp_material *m = &net->material;
     bool rate = m->dashpot_Ns > 0.0 || net->mass || (m->formulation == PALP_SEDEF2008 && m->n_arms > 0);
     return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
 }
 
 /* Initial accelerations: at time 0 no step has determined the forces on the nodes. */
-static void start_accelerations(palp_network *net) {
+static void set_initial_accelerations(palp_network *net) {
     network_state *s = &net->now;
     memcpy(net->next.x, s->x, 3 * net->n_nodes * sizeof *s->x);
     if (!network_evaluate(net))
@@ -216,7 +219,7 @@ static void start_accelerations(palp_network *net) {
 
 palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
     net->trial = net->exact = net->left_branch = false;
-    palp_status status = check_step(net, depth_m, dt_s);
+    palp_status status = check_step_arguments(net, depth_m, dt_s);
     if (status)
         return status;
     element_step_prepare(&net->material, dt_s, &net->step);
@@ -228,7 +231,7 @@ palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
     NETWORK_EACH_TERM(net, begin, net);
     if (net->mass && net->settings.integrator == PALP_GENERALIZED_ALPHA && net->now.time == 0.0 &&
         isfinite(dt_s))
-        start_accelerations(net);
+        set_initial_accelerations(net);
     network_set_diagonal(net, 0.0);
     net->next.depth = depth_m;
     net->next.time = net->now.time + (isinf(dt_s) ? 0.0 : dt_s);
@@ -254,7 +257,7 @@ palp_status network_finish(palp_network *net) {
 }
 
 /* Are all edges of a tetrahedron uncut? */
-static bool is_whole(const palp_network *net, const int32_t *t) {
+static bool is_tetrahedron_uncut(const palp_network *net, const int32_t *t) {
     for (int a = 0; a < 4; a++)
         for (int b = a + 1; b < 4; b++) {
             size_t e = palp_mesh_element_between(net->mesh, t[a], t[b]);
@@ -269,7 +272,7 @@ size_t network_count_inverted(const palp_network *net, const double *x, size_t p
     const int32_t *t = palp_mesh_tetrahedra(net->mesh);
     size_t n = 0;
     for (size_t i = m * part / parts; i < m * (part + 1) / parts; i++)
-        n += mesh_volume6(x, t + 4 * i) <= 0.0 && is_whole(net, t + 4 * i);
+        n += mesh_volume6(x, t + 4 * i) <= 0.0 && is_tetrahedron_uncut(net, t + 4 * i);
     return n;
 }
 
@@ -292,7 +295,7 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
     palp_status status = network_begin(net, depth_m, dt_s);
     if (status)
         return status;
-    status = solve(net, depth_m, net->next.time, &local);
+    status = solve_to_stable_branch(net, depth_m, net->next.time, &local);
     if (!status)
         status = network_finish(net);
     if (!status) {
@@ -300,7 +303,7 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
         local.inverted = network_count_inverted(net, net->next.x, 0, 1);
         local.beyond =
             palp_law_beyond(&net->material.law, network_largest_strain(net, net->next.history.strain));
-        assess_stability(net, &local);
+        assess_tangent_stability(net, &local);
         net->trial = true;
     } else {
         net->factored = false;

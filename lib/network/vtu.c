@@ -18,7 +18,7 @@ struct palp_vtu {
 
 enum { VTK_LINE = 3 };
 
-static void series_free(palp_vtu *series) {
+static void free_series_memory(palp_vtu *series) {
     free(series->folder);
     free(series->name);
     free(series->time_s);
@@ -26,12 +26,12 @@ static void series_free(palp_vtu *series) {
 }
 
 /* Is it a plain file name, which needs no escaping in XML? */
-static bool name_valid(const char *name) {
+static bool is_plain_file_name(const char *name) {
     static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
     return name[0] && name[0] != '.' && name[strspn(name, allowed)] == '\0';
 }
 
-static palp_status folder_make(const char *folder, palp_error *error) {
+static palp_status create_folder_if_missing(const char *folder, palp_error *error) {
     struct stat info;
     if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &info) == 0 && S_ISDIR(info.st_mode)))
         return PALP_OK;
@@ -42,10 +42,10 @@ palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **serie
     if (!folder || !name || !series)
         return palp_error_null(error);
     *series = NULL;
-    if (!name_valid(name))
+    if (!is_plain_file_name(name))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
                               "\"%s\" is no name of a series: use letters and digits", name);
-    palp_status status = folder_make(folder, error);
+    palp_status status = create_folder_if_missing(folder, error);
     if (status)
         return status;
     palp_vtu *made = calloc(1, sizeof *made);
@@ -55,7 +55,7 @@ palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **serie
     }
     if (!made || !made->folder || !made->name) {
         if (made)
-            series_free(made);
+            free_series_memory(made);
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", folder);
     }
     *series = made;
@@ -63,7 +63,7 @@ palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **serie
 }
 
 /* folder/name + ending, allocated by malloc. */
-static char *file_path(const palp_vtu *series, const char *ending) {
+static char *path_in_series_folder(const palp_vtu *series, const char *ending) {
     size_t size = strlen(series->folder) + strlen(series->name) + strlen(ending) + 2;
     char *path = malloc(size);
     if (path)
@@ -71,76 +71,76 @@ static char *file_path(const palp_vtu *series, const char *ending) {
     return path;
 }
 
-static void array_open(FILE *f, const char *type, const char *name, int components) {
+static void print_array_start_tag(FILE *f, const char *type, const char *name, int components) {
     fprintf(f, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"ascii\">\n", type, name,
             components);
 }
 
-static void array_close(FILE *f) {
+static void print_array_end_tag(FILE *f) {
     fputs("</DataArray>\n", f);
 }
 
 /* Prints values[n] less from[n] (or 0), per numbers in a line. */
-static void numbers_print(FILE *f, size_t n, const double *values, const double *from, size_t per) {
+static void print_values_in_rows(FILE *f, size_t n, const double *values, const double *from, size_t per) {
     for (size_t i = 0; i < n; i++)
         fprintf(f, "%.9g%c", values[i] - (from ? from[i] : 0), (i + 1) % per ? ' ' : '\n');
 }
 
-static void points_print(FILE *f, size_t n_nodes, const double *x_m, const double *rest_m) {
+static void print_points_and_motion(FILE *f, size_t n_nodes, const double *x_m, const double *rest_m) {
     fputs("<Points>\n", f);
-    array_open(f, "Float64", "Points", 3);
-    numbers_print(f, 3 * n_nodes, x_m, NULL, 3);
-    array_close(f);
+    print_array_start_tag(f, "Float64", "Points", 3);
+    print_values_in_rows(f, 3 * n_nodes, x_m, NULL, 3);
+    print_array_end_tag(f);
     fputs("</Points>\n<PointData Vectors=\"displacement\">\n", f);
-    array_open(f, "Float64", "displacement", 3);
-    numbers_print(f, 3 * n_nodes, x_m, rest_m, 3);
-    array_close(f);
+    print_array_start_tag(f, "Float64", "displacement", 3);
+    print_values_in_rows(f, 3 * n_nodes, x_m, rest_m, 3);
+    print_array_end_tag(f);
     fputs("</PointData>\n", f);
 }
 
-static void cells_print(FILE *f, size_t n, const int32_t *pairs) {
+static void print_line_cells(FILE *f, size_t n, const int32_t *pairs) {
     fputs("<Cells>\n", f);
-    array_open(f, "Int64", "connectivity", 1);
+    print_array_start_tag(f, "Int64", "connectivity", 1);
     for (size_t i = 0; i < n; i++)
         fprintf(f, "%ld %ld\n", (long)pairs[2 * i], (long)pairs[2 * i + 1]);
-    array_close(f);
-    array_open(f, "Int64", "offsets", 1);
+    print_array_end_tag(f);
+    print_array_start_tag(f, "Int64", "offsets", 1);
     for (size_t i = 0; i < n; i++)
         fprintf(f, "%zu\n", 2 * (i + 1));
-    array_close(f);
-    array_open(f, "UInt8", "types", 1);
+    print_array_end_tag(f);
+    print_array_start_tag(f, "UInt8", "types", 1);
     for (size_t i = 0; i < n; i++)
         fprintf(f, "%d\n", VTK_LINE);
-    array_close(f);
+    print_array_end_tag(f);
     fputs("</Cells>\n", f);
 }
 
-static void cell_data_print(FILE *f, size_t n, const double *strain, const double *force_N) {
+static void print_strain_and_force(FILE *f, size_t n, const double *strain, const double *force_N) {
     fputs("<CellData Scalars=\"strain\">\n", f);
-    array_open(f, "Float64", "strain", 1);
-    numbers_print(f, n, strain, NULL, 1);
-    array_close(f);
-    array_open(f, "Float64", "force_N", 1);
-    numbers_print(f, n, force_N, NULL, 1);
-    array_close(f);
+    print_array_start_tag(f, "Float64", "strain", 1);
+    print_values_in_rows(f, n, strain, NULL, 1);
+    print_array_end_tag(f);
+    print_array_start_tag(f, "Float64", "force_N", 1);
+    print_values_in_rows(f, n, force_N, NULL, 1);
+    print_array_end_tag(f);
     fputs("</CellData>\n", f);
 }
 
-static void frame_print(FILE *f, const palp_network *network, const double *force_N) {
+static void print_frame_document(FILE *f, const palp_network *network, const double *force_N) {
     const palp_mesh *mesh = palp_network_mesh(network);
     size_t n_nodes = palp_mesh_node_count(mesh), n_elements = palp_mesh_element_count(mesh);
     fputs(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\">\n<UnstructuredGrid>\n",
         f);
     fprintf(f, "<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n", n_nodes, n_elements);
-    points_print(f, n_nodes, palp_network_positions(network), palp_mesh_positions(mesh));
-    cells_print(f, n_elements, palp_mesh_pairs(mesh));
-    cell_data_print(f, n_elements, palp_network_element_strain(network), force_N);
+    print_points_and_motion(f, n_nodes, palp_network_positions(network), palp_mesh_positions(mesh));
+    print_line_cells(f, n_elements, palp_mesh_pairs(mesh));
+    print_strain_and_force(f, n_elements, palp_network_element_strain(network), force_N);
     fputs("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", f);
 }
 
-static palp_status frame_write(const char *path, const palp_network *network, const double *force_N,
-                               palp_error *error) {
+static palp_status write_frame_file(const char *path, const palp_network *network, const double *force_N,
+                                    palp_error *error) {
     palp_file file;
     palp_locale locale;
     palp_status status = palp_file_begin(&file, path, error);
@@ -150,13 +150,13 @@ static palp_status frame_write(const char *path, const palp_network *network, co
         palp_file_abandon(&file);
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
     }
-    frame_print(file.stream, network, force_N);
+    print_frame_document(file.stream, network, force_N);
     palp_locale_leave(&locale);
     return palp_file_commit(&file, false, error);
 }
 
 /* Makes room for one more frame. */
-static bool series_grow(palp_vtu *series) {
+static bool grow_series_times(palp_vtu *series) {
     if (series->n < series->capacity)
         return true;
     size_t capacity = series->capacity ? 2 * series->capacity : 64;
@@ -173,12 +173,12 @@ palp_status palp_vtu_add(palp_vtu *series, const palp_network *network, palp_err
         return palp_error_null(error);
     char ending[48];
     snprintf(ending, sizeof ending, "_%04zu.vtu", series->n);
-    char *path = file_path(series, ending);
+    char *path = path_in_series_folder(series, ending);
     double *force_N = malloc((palp_mesh_element_count(palp_network_mesh(network)) + 1) * sizeof *force_N);
     palp_status status = PALP_ERR_NO_MEMORY;
-    if (path && force_N && series_grow(series)) {
+    if (path && force_N && grow_series_times(series)) {
         palp_network_element_force(network, force_N);
-        status = frame_write(path, network, force_N, error);
+        status = write_frame_file(path, network, force_N, error);
     } else
         palp_error_set(error, status, "%s: out of memory", series->folder);
     if (!status)
@@ -188,7 +188,7 @@ palp_status palp_vtu_add(palp_vtu *series, const palp_network *network, palp_err
     return status;
 }
 
-static void series_print(FILE *f, const palp_vtu *series) {
+static void print_series_document(FILE *f, const palp_vtu *series) {
     char text[PALP_NUMBER_TEXT];
     fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", f);
     for (size_t i = 0; i < series->n; i++) {
@@ -198,17 +198,17 @@ static void series_print(FILE *f, const palp_vtu *series) {
     fputs("</Collection>\n</VTKFile>\n", f);
 }
 
-static palp_status series_write(const palp_vtu *series, palp_error *error) {
+static palp_status write_series_file(const palp_vtu *series, palp_error *error) {
     palp_file file;
     palp_locale locale;
-    char *path = file_path(series, ".pvd");
+    char *path = path_in_series_folder(series, ".pvd");
     if (!path || !palp_locale_enter(&locale)) {
         free(path);
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", series->folder);
     }
     palp_status status = palp_file_begin(&file, path, error);
     if (!status) {
-        series_print(file.stream, series);
+        print_series_document(file.stream, series);
         status = palp_file_commit(&file, false, error);
     }
     palp_locale_leave(&locale);
@@ -219,7 +219,7 @@ static palp_status series_write(const palp_vtu *series, palp_error *error) {
 palp_status palp_vtu_close(palp_vtu *series, palp_error *error) {
     if (!series)
         return PALP_OK;
-    palp_status status = series_write(series, error);
-    series_free(series);
+    palp_status status = write_series_file(series, error);
+    free_series_memory(series);
     return status;
 }

@@ -54,7 +54,7 @@ void palp_realtime_free(palp_realtime *rt) {
 
 /* ---- making ready -------------------------------------------------------------------------------- */
 
-static palp_status allocate(palp_realtime *rt) {
+static palp_status allocate_realtime_arrays(palp_realtime *rt) {
     const palp_network *net = rt->net;
     double **arrays[] = {
         &rt->r,      &rt->z,         &rt->p,         &rt->q,      &rt->move,          &rt->adjoint,
@@ -88,18 +88,18 @@ static palp_status allocate(palp_realtime *rt) {
 }
 
 /* The tangent of the committed state, for an instantaneous step from it. */
-static palp_status evaluate_here(palp_network *net) {
+static palp_status evaluate_committed_state(palp_network *net) {
     palp_status status = network_begin(net, net->now.depth, INSTANT);
     memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
     return status ? status : network_evaluate(net) ? PALP_OK : PALP_ERR_COLLAPSED;
 }
 
 /* Makes a factor and an adjoint of the committed state at once. If that fails, the factor in use stays. */
-static palp_status begin(palp_realtime *rt) {
+static palp_status begin_from_committed_state(palp_realtime *rt) {
     palp_network *net = rt->net;
     if (rt->thread)
         refresh_thread_wait(rt->thread);
-    palp_status status = evaluate_here(net);
+    palp_status status = evaluate_committed_state(net);
     net->factored = false;
     rt->resets = net->resets;
     memcpy(rt->tissue, net->fint, 3 * net->n_nodes * sizeof *rt->tissue);
@@ -119,10 +119,10 @@ palp_status palp_realtime_reset(palp_realtime *rt) {
     if (!rt)
         return PALP_ERR_ARGUMENT;
     palp_network_reset(rt->net);
-    return begin(rt);
+    return begin_from_committed_state(rt);
 }
 
-static void time_parts(palp_realtime *rt) {
+static void measure_correction_times(palp_realtime *rt) {
     double start = realtime_clock();
     realtime_evaluate(rt, true, false);
     double middle = realtime_clock();
@@ -144,14 +144,14 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
     net->stepped = true;
     rt->settings = *settings;
     rt->driven = net->driven;
-    palp_status status = allocate(rt);
+    palp_status status = allocate_realtime_arrays(rt);
     if (!status) {
         double tick = 2.0 * ((double)net->n_elements + multigrid_cycle_work(rt->mg));
         rt->piece = settings->refresh_share / (1.0 - settings->refresh_share) * tick;
-        status = begin(rt);
+        status = begin_from_committed_state(rt);
         if (!status) /* repeated for the other set, so that no tick is the first to touch its memory */
             status = realtime_refresh_now(rt);
-        time_parts(rt);
+        measure_correction_times(rt);
     }
     if (status)
         palp_realtime_free(rt);
@@ -180,48 +180,48 @@ typedef struct tick {
 } tick;
 
 /* Lets the terms follow next.x, then evaluates there. */
-static bool follow(palp_realtime *rt, bool tangent, bool trial) {
+static bool evaluate_with_followers(palp_realtime *rt, bool tangent, bool trial) {
     palp_network *net = rt->net;
     NETWORK_EACH_TERM(net, follow, net);
     return realtime_evaluate(rt, tangent, trial);
 }
 
 /* Is the tangent at next.x needed: by another correction, by the adjoint or by the next factor? */
-static bool tangent_wanted(const palp_realtime *rt, bool last) {
+static bool is_tangent_wanted(const palp_realtime *rt, bool last) {
     bool due = rt->adjoint_due > 0 && rt->driven;
     const int part = rt->adjoint_parts - rt->adjoint_due;
     return !last || (due ? part == 0 || part == ADJOINT_PARTS - 1 : realtime_refresh_begins(rt));
 }
 
-static bool predict(palp_realtime *rt, const palp_budget *budget) {
+static bool predict_next_positions(palp_realtime *rt, const palp_budget *budget) {
     const bool enough = rt->idle && !rt->near && budget->force_error > 0.0 &&
                         !realtime_touched(rt->net); /* as in the last tick */
-    const bool tangent = tangent_wanted(rt, enough);
+    const bool tangent = is_tangent_wanted(rt, enough);
     palp_network *net = rt->net;
     double depth = net->next.depth, move = depth - net->now.depth;
     const bool trial = budget->force_error == 0.0; /* otherwise this evaluation may be the last one */
     bool extrapolated = rt->contraction < STRAIGHT &&
                         network_extrapolate(net, depth, net->next.time, rt->contraction < CURVED);
-    if (extrapolated && follow(rt, tangent, trial))
+    if (extrapolated && evaluate_with_followers(rt, tangent, trial))
         return true;
     for (int straight = 1; straight >= 0; straight--) {
         for (size_t i = 0; i < 3 * net->n_nodes; i++)
             net->next.x[i] = net->now.x[i] + (straight && rt->driven ? move * rt->adjoint[i] : 0.0);
         network_place(net, depth);
-        if (follow(rt, tangent, trial))
+        if (evaluate_with_followers(rt, tangent, trial))
             return true;
     }
     return false;
 }
 
 /* The residual of the last evaluation on all axes, 0 on fixed ones. */
-static void spread_residual(const palp_network *net, double *r) {
+static void spread_residual_to_nodes(const palp_network *net, double *r) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         r[i] = net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]];
 }
 
 /* The force error that the budget allows, N. */
-static double most_error(const palp_realtime *rt, const tick *t) {
+static double allowed_force_error(const palp_realtime *rt, const tick *t) {
     return t->budget.force_error > 0.0
                ? t->budget.force_error * (fabs(t->info.force_N) + realtime_outer_force(rt->net))
                : 0.0;
@@ -230,30 +230,30 @@ static double most_error(const palp_realtime *rt, const tick *t) {
 /* Residual, force and their error at next.x. The force follows from virtual work, so its error is the product
  * of the errors of positions and adjoint, both in the energy norm. Tools and hands feel the tissue's force on
  * nodes of stiffness k: its error is at most sqrt(k) times that of the positions. */
-static void assess(palp_realtime *rt, tick *t) {
+static void assess_residual_and_force(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     t->norm = network_residual(net, &t->scale);
     t->place_error = SAFETY * realtime_doubt(rt) * rt->error_ratio * t->norm;
     const double force = network_drive_force(net);
-    spread_residual(net, rt->r);
+    spread_residual_to_nodes(net, rt->r);
     double work = network_dot(rt->r, rt->adjoint, 3 * net->n_nodes);
     t->info.residual = t->scale > 0.0 ? net->settings.tolerance * t->norm / t->scale : 0.0;
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = t->place_error * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
-    double most = most_error(rt, t);
+    double most = allowed_force_error(rt, t);
     t->near = t->info.force_error_N > NEAR * most;
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
 
 /* Is a stable branch wanted, whatever number of corrections it takes? */
-static bool descends(const palp_realtime *rt) {
+static bool seeks_stable_branch(const palp_realtime *rt) {
     return rt->net->settings.branch == PALP_BRANCH_STABLE;
 }
 
 /* Corrections that the budget leaves room for. The first is always made: extrapolation alone would drift. */
-static size_t room(const palp_realtime *rt, const tick *t) {
-    size_t own = descends(rt) ? DESCENT : CORRECTIONS,
+static size_t corrections_left_in_budget(const palp_realtime *rt, const tick *t) {
+    size_t own = seeks_stable_branch(rt) ? DESCENT : CORRECTIONS,
            most = t->budget.corrections > 0 ? t->budget.corrections : own;
     size_t left = most > t->info.corrections ? most - t->info.corrections : 0;
     if (!(t->budget.seconds > 0.0))
@@ -265,24 +265,24 @@ static size_t room(const palp_realtime *rt, const tick *t) {
 }
 
 /* A running mean that forgets slowly and that one preempted tick cannot spoil. */
-static void learn(double *mean, double seconds) {
+static void update_running_mean(double *mean, double seconds) {
     *mean += 0.1 * (fmin(seconds, 3.0 * *mean) - *mean);
 }
 
 /* The share of an interval at which the slope along the move is zero, by linear interpolation. */
-static double part_between(double at_low, double at_high) {
+static double secant_part_of_move(double at_low, double at_high) {
     return fmin(fmax(at_low / (at_low - at_high), ASIDE), 1.0 - ASIDE);
 }
 
 /* next.x = start + move. Backtracks if the network cannot be evaluated, or if the slope of the energy
  * along the move is too large at its end, as where a contact stiffens or begins to stick. */
-static bool go(palp_realtime *rt, tick *t) {
+static bool go_along_search_direction(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     double alpha = 1.0, start = realtime_clock();
-    spread_residual(net, rt->p); /* conjugate gradients have changed r */
+    spread_residual_to_nodes(net, rt->p); /* conjugate gradients have changed r */
     const double before = network_dot(rt->p, rt->move, 3 * net->n_nodes);
     double low = 0.0, high = 1.0, at_low = before, at_high = 0.0;
-    const bool last = t->info.corrections == t->budget.corrections, tangent = tangent_wanted(rt, last);
+    const bool last = t->info.corrections == t->budget.corrections, tangent = is_tangent_wanted(rt, last);
     const bool trial = !last && t->budget.corrections > 0;
     memcpy(rt->q, net->next.x, 3 * net->n_nodes * sizeof *rt->q);
     for (int i = 0; i <= TRIES; i++) {
@@ -290,9 +290,9 @@ static bool go(palp_realtime *rt, tick *t) {
             net->next.x[k] = rt->q[k] + alpha * rt->move[k];
         double after = -at_low;
         if (realtime_evaluate(rt, tangent, trial)) {
-            assess(rt, t);
+            assess_residual_and_force(rt, t);
             if (i == 0)
-                learn(&rt->times.evaluation, realtime_clock() - start);
+                update_running_mean(&rt->times.evaluation, realtime_clock() - start);
             after = network_dot(rt->r, rt->move, 3 * net->n_nodes);
             if (i == TRIES || (after >= -OVERRUN * before && (i == 0 || after <= OVERRUN * before)))
                 return true;
@@ -304,68 +304,69 @@ static bool go(palp_realtime *rt, tick *t) {
             high = alpha;
             at_high = after;
         }
-        alpha = low + part_between(at_low, at_high) * (high - low);
+        alpha = low + secant_part_of_move(at_low, at_high) * (high - low);
     }
     memcpy(net->next.x, rt->q, 3 * net->n_nodes * sizeof *rt->q);
     realtime_evaluate(rt, true, false);
-    assess(rt, t);
+    assess_residual_and_force(rt, t);
     return false;
 }
 
 /* Error of the positions, in the energy norm, at which the budget's force error is met; 0 if it sets none. */
-static double enough(palp_realtime *rt, const tick *t) {
+static double allowed_position_error(palp_realtime *rt, const tick *t) {
     const double error =
         SAFETY * realtime_doubt(rt) * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
     return t->budget.force_error > 0.0
-               ? fmax(0.0, MARGIN * most_error(rt, t) - rt->remembered - rt->anchored) / error
+               ? fmax(0.0, MARGIN * allowed_force_error(rt, t) - rt->remembered - rt->anchored) / error
                : 0.0;
 }
 
-static void correct(palp_realtime *rt, tick *t) {
+static void correct_within_budget(palp_realtime *rt, tick *t) {
     const bool touched = rt->direction;
     const int rounds = touched ? SINGLE_ROUNDS : ROUNDS;
     for (int i = 0; !t->info.converged; i++) {
-        size_t left = room(rt, t);
+        size_t left = corrections_left_in_budget(rt, t);
         if (left == 0)
             return;
-        if (i == rounds && t->budget.corrections == 0 && !(t->budget.seconds > 0.0) && !descends(rt))
+        if (i == rounds && t->budget.corrections == 0 && !(t->budget.seconds > 0.0) &&
+            !seeks_stable_branch(rt))
             return;
         double start = realtime_clock();
         if (!rt->fresh &&
             !realtime_evaluate(rt, true, true)) /* the prediction was expected to be good enough */
             return;
-        size_t done =
-            touched ? realtime_solve_touched(rt, 1, SHARE) : realtime_solve(rt, left, SHARE, enough(rt, t));
+        size_t done = touched ? realtime_solve_touched(rt, 1, SHARE)
+                              : realtime_solve(rt, left, SHARE, allowed_position_error(rt, t));
         if (done == 0)
             return;
-        learn(&rt->times.correction, (realtime_clock() - start) / (double)done);
+        update_running_mean(&rt->times.correction, (realtime_clock() - start) / (double)done);
         t->info.corrections += done;
-        if (!go(rt, t))
+        if (!go_along_search_direction(rt, t))
             return;
         if (network_refresh(rt->net)) {
             if (!realtime_evaluate(rt, true, false))
                 return;
-            assess(rt, t);
+            assess_residual_and_force(rt, t);
         }
     }
 }
 
 /* Moves the tools to this share of their way and corrects with a new budget of corrections. */
-static palp_status go_on(palp_realtime *rt, tick *t, double share) {
+static palp_status continue_at_tool_share(palp_realtime *rt, tick *t, double share) {
     NETWORK_EACH_TERM(rt->net, place, rt->net, share);
     if (!realtime_evaluate(rt, true, true))
         return PALP_ERR_COLLAPSED;
-    assess(rt, t);
+    assess_residual_and_force(rt, t);
     t->before += t->info.corrections;
     t->info.corrections = 0;
     rt->n_directions = 0;
-    correct(rt, t);
+    correct_within_budget(rt, t);
     return PALP_OK;
 }
 
 /* Arms relax at positions that have an error, and remember the force of that. For the plate it is of first
  * order, as arms and springs have different equilibria. */
-static void remember(palp_realtime *rt, const tick *t) {
+static void remember_position_errors(palp_realtime *rt, const tick *t) {
     const palp_network *net = rt->net;
     const double leak = realtime_leak(net);
     double slowest = 0.0;
@@ -378,7 +379,7 @@ static void remember(palp_realtime *rt, const tick *t) {
 
 /* After the commit: works on the adjoint or the next factor with the tangent of the last evaluation. A tick
  * that had to correct, though the one before it had not, leaves this to later ticks. */
-static void look_ahead(palp_realtime *rt, tick *t) {
+static void refresh_factor_or_adjoint(palp_realtime *rt, tick *t) {
     if (rt->idle && t->info.corrections > 0)
         return;
     if (rt->adjoint_due > 0 && rt->driven) {
@@ -390,7 +391,7 @@ static void look_ahead(palp_realtime *rt, tick *t) {
 }
 
 /* Finishes the step at the accuracy reached and commits it. */
-static palp_status commit(palp_realtime *rt, const tick *t) {
+static palp_status commit_corrected_state(palp_realtime *rt, const tick *t) {
     palp_network *net = rt->net;
     if (!rt->kept) /* an unexpected last evaluation: its history was not kept */
         realtime_evaluate(rt, rt->fresh, false);
@@ -433,8 +434,8 @@ static void stay_if_nearer(palp_realtime *rt, tick *t) {
     memcpy(rt->q, net->next.x, size);
     memcpy(net->next.x, net->now.x, size);
     network_place(net, net->next.depth);
-    if (follow(rt, true, true)) {
-        assess(rt, t);
+    if (evaluate_with_followers(rt, true, true)) {
+        assess_residual_and_force(rt, t);
         if (t->norm < predicted) {
             rt->guessed = t->norm;
             return;
@@ -442,7 +443,7 @@ static void stay_if_nearer(palp_realtime *rt, tick *t) {
     }
     memcpy(net->next.x, rt->q, size);
     realtime_evaluate(rt, true, true);
-    assess(rt, t);
+    assess_residual_and_force(rt, t);
 }
 
 palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, const palp_budget *budget,
@@ -453,7 +454,7 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     palp_network *net = rt->net;
     if (!(budget->seconds >= 0.0) || !(budget->force_error >= 0.0))
         return PALP_ERR_ARGUMENT;
-    palp_status status = rt->resets != net->resets ? begin(rt) : PALP_OK;
+    palp_status status = rt->resets != net->resets ? begin_from_committed_state(rt) : PALP_OK;
     if (!status)
         status = network_begin(net, depth_m, dt_s);
     if (status)
@@ -463,28 +464,28 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
         memcpy(net->next.x, net->now.x, 3 * net->n_nodes * sizeof *net->next.x);
         NETWORK_EACH_TERM(net, place, net, 1.0 / parts);
     }
-    if (!predict(rt, budget))
+    if (!predict_next_positions(rt, budget))
         return PALP_ERR_COLLAPSED;
     if (rt->driven)
         realtime_follow_adjoint(rt);
-    assess(rt, &t);
+    assess_residual_and_force(rt, &t);
     stay_if_nearer(rt, &t);
     t.first = t.norm;
     rt->indefinite = false;
     rt->n_directions = 0;
-    correct(rt, &t);
+    correct_within_budget(rt, &t);
     for (double k = 2.0; k <= parts && !status; k += 1.0)
-        status = go_on(rt, &t, k / parts);
+        status = continue_at_tool_share(rt, &t, k / parts);
     t.info.corrections += t.before;
     t.info.buckled = rt->indefinite;
     double rest = realtime_clock();
     if (!status)
-        status = commit(rt, &t);
+        status = commit_corrected_state(rt, &t);
     if (status)
         return status;
     rt->contraction = t.first > 0.0 ? t.norm / t.first : 0.0;
-    remember(rt, &t);
-    look_ahead(rt, &t);
+    remember_position_errors(rt, &t);
+    refresh_factor_or_adjoint(rt, &t);
     rt->idle = t.info.corrections == 0;
     rt->near = t.near;
     t.info.inverted = count_inverted(rt);
@@ -494,6 +495,6 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
         t.info.seconds = realtime_clock() - t.start;
         *info = t.info;
     }
-    learn(&rt->times.rest, realtime_clock() - rest);
+    update_running_mean(&rt->times.rest, realtime_clock() - rest);
     return PALP_OK;
 }

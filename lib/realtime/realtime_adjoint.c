@@ -18,7 +18,7 @@ static const double STEP = 1e-3;
 
 /* A correction of the adjoint has four parts: its residual, two halves of the preconditioner, and the
  * step. */
-static void adjoint_residual(palp_realtime *rt) {
+static void evaluate_adjoint_residual(palp_realtime *rt) {
     realtime_tangent_times(rt, rt->adjoint, rt->adjoint_r);
     for (size_t i = 0; i < 3 * rt->net->n_nodes; i++)
         rt->adjoint_r[i] = -rt->adjoint_r[i];
@@ -26,19 +26,19 @@ static void adjoint_residual(palp_realtime *rt) {
     memcpy(rt->adjoint_at[1], rt->net->now.x, 3 * rt->net->n_nodes * sizeof *rt->adjoint);
 }
 
-static void adjoint_half(palp_realtime *rt) {
+static void precondition_adjoint_down(palp_realtime *rt) {
     realtime_touch(rt);
     multigrid_apply_half(rt->mg, rt->adjoint_r, rt->adjoint_half);
 }
 
-static void adjoint_direction(palp_realtime *rt) {
+static void find_adjoint_direction(palp_realtime *rt) {
     realtime_touch(rt);
     multigrid_apply_rest(rt->mg, rt->adjoint_r, rt->adjoint_half, rt->adjoint_z);
 }
 
 /* The error was found some ticks ago, at adjoint_at[1]. A correction is assumed to remove only its share of
  * it. The rate at which the error grows, per m, falls to FADES of its former value at most. */
-static void adjoint_move(palp_realtime *rt) {
+static void correct_adjoint_along(palp_realtime *rt) {
     const size_t n = 3 * rt->net->n_nodes;
     const double *z = rt->adjoint_z;
     realtime_tangent_times(rt, z, rt->q);
@@ -66,7 +66,7 @@ double realtime_leak(const palp_network *net) {
 }
 
 /* Stiffness by which the arms of an element at strain e relax in this step, N. */
-static double forgotten(const palp_network *net, double e) {
+static double forgotten_arm_stiffness(const palp_network *net, double e) {
     const palp_material *m = &net->material;
     double elastic = 0.0, tangent = 0.0, sum = 0.0;
     if (m->quasi_linear)
@@ -78,7 +78,7 @@ static double forgotten(const palp_network *net, double e) {
 }
 
 /* Is it independent of strain? */
-static bool forgets_evenly(const palp_material *m) {
+static bool do_arms_forget_evenly(const palp_material *m) {
     bool even = !m->quasi_linear;
     for (size_t j = 0; j < m->n_arms; j++)
         even = even && m->arms[j].beta == 0.0;
@@ -87,10 +87,10 @@ static bool forgets_evenly(const palp_material *m) {
 
 /* The nodal forces of relaxing arms after a displacement along the adjoint, from one of FORCE_PARTS of the
  * elements. */
-static void memory_force(palp_realtime *rt, size_t part) {
+static void push_of_forgetting_arms(palp_realtime *rt, size_t part) {
     const palp_network *net = rt->net;
-    const double *x = net->now.x, *a = rt->adjoint, same = forgotten(net, 0.0);
-    const bool even = forgets_evenly(&net->material);
+    const double *x = net->now.x, *a = rt->adjoint, same = forgotten_arm_stiffness(net, 0.0);
+    const bool even = do_arms_forget_evenly(&net->material);
     double *out = rt->adjoint_r;
     if (part == 0)
         memset(out, 0, 3 * net->n_nodes * sizeof *out);
@@ -102,7 +102,8 @@ static void memory_force(palp_realtime *rt, size_t part) {
             square += (x[q + k] - x[p + k]) * (x[q + k] - x[p + k]);
             along += (x[q + k] - x[p + k]) * (a[q + k] - a[p + k]);
         }
-        const double stiffness = even ? same : forgotten(net, sqrt(square) * net->inverse_rest[i] - 1.0);
+        const double stiffness =
+            even ? same : forgotten_arm_stiffness(net, sqrt(square) * net->inverse_rest[i] - 1.0);
         const double size =
             (net->scale ? net->scale[i] : 1.0) * stiffness * net->inverse_rest[i] * along / square;
         for (size_t k = 0; k < 3; k++) {
@@ -112,14 +113,14 @@ static void memory_force(palp_realtime *rt, size_t part) {
     }
 }
 
-static void memory_half(palp_realtime *rt) {
+static void precondition_memory_down(palp_realtime *rt) {
     for (size_t i = 0; i < 3 * rt->net->n_nodes; i++)
         rt->adjoint_r[i] = rt->net->dof[i] < 0 ? 0.0 : rt->adjoint_r[i];
-    adjoint_half(rt);
+    precondition_adjoint_down(rt);
 }
 
-static void memory_size(palp_realtime *rt) {
-    adjoint_direction(rt);
+static void measure_forgotten_energy(palp_realtime *rt) {
+    find_adjoint_direction(rt);
     const double leak = realtime_leak(rt->net),
                  square = network_dot(rt->adjoint_r, rt->adjoint_z, 3 * rt->net->n_nodes);
     if (leak > 0.0)
@@ -127,13 +128,13 @@ static void memory_size(palp_realtime *rt) {
 }
 
 void realtime_improve_adjoint(palp_realtime *rt, int part) {
-    static void (*const correct[ADJOINT_PARTS])(palp_realtime *) = {adjoint_residual, adjoint_half,
-                                                                    adjoint_direction, adjoint_move};
-    static void (*const measure[2])(palp_realtime *) = {memory_half, memory_size};
+    static void (*const correct[ADJOINT_PARTS])(palp_realtime *) = {
+        evaluate_adjoint_residual, precondition_adjoint_down, find_adjoint_direction, correct_adjoint_along};
+    static void (*const measure[2])(palp_realtime *) = {precondition_memory_down, measure_forgotten_energy};
     if (part < ADJOINT_PARTS)
         correct[part](rt);
     else if (part < ADJOINT_PARTS + FORCE_PARTS)
-        memory_force(rt, (size_t)(part - ADJOINT_PARTS));
+        push_of_forgetting_arms(rt, (size_t)(part - ADJOINT_PARTS));
     else
         measure[part - ADJOINT_PARTS - FORCE_PARTS](rt);
 }
@@ -153,14 +154,14 @@ double realtime_adjoint_error(const palp_realtime *rt) {
 }
 
 /* The initial rate of the adjoint's error, from its residual after a small displacement along the adjoint. */
-static void find_rate(palp_realtime *rt) {
+static void find_adjoint_error_rate(palp_realtime *rt) {
     palp_network *net = rt->net;
     const size_t n = 3 * net->n_nodes;
     const double step = STEP * net->extent, way = step * sqrt(network_dot(rt->adjoint, rt->adjoint, n));
     for (size_t i = 0; i < n; i++)
         net->next.x[i] += step * rt->adjoint[i];
     if (realtime_evaluate(rt, true, true)) {
-        adjoint_residual(rt);
+        evaluate_adjoint_residual(rt);
         multigrid_apply(rt->mg, rt->adjoint_r, rt->z);
         rt->adjoint_rate = sqrt(fabs(network_dot(rt->adjoint_r, rt->z, n))) / way;
     }
@@ -170,7 +171,7 @@ static void find_rate(palp_realtime *rt) {
 
 /* Power iteration for the factor's worst underestimate: repeated corrections leave the error it reduces
  * least. A good factor leaves rounding only. */
-static void find_doubt(palp_realtime *rt) {
+static void find_worst_factor_error(palp_realtime *rt) {
     enum { ROUNDS = 12 };
     const palp_network *net = rt->net;
     const size_t n = 3 * net->n_nodes;
@@ -203,11 +204,11 @@ void realtime_begin_adjoint(palp_realtime *rt, bool made) {
     rt->doubt = 1.0;
     if (!made)
         return;
-    find_doubt(rt);
+    find_worst_factor_error(rt);
     for (int i = 0; i < ROUNDS * ADJOINT_PARTS && rt->driven; i++)
         realtime_improve_adjoint(rt, i % ADJOINT_PARTS);
     for (int i = ADJOINT_PARTS; i < rt->adjoint_parts && rt->driven; i++)
         realtime_improve_adjoint(rt, i);
     if (rt->driven)
-        find_rate(rt);
+        find_adjoint_error_rate(rt);
 }

@@ -7,7 +7,8 @@
 /* Work units per element for which a factor is left as it is, to save time in the ticks. */
 static const double PAUSE = 1.0;
 
-static void copy_element(const palp_network *net, float *element, const multigrid_source *source, size_t i) {
+static void copy_element_block(const palp_network *net, float *element, const multigrid_source *source,
+                               size_t i) {
     float *e = element + source->place[i];
     const double inverse = net->inverse_length[i], across = net->force[i] * inverse;
     e[0] = (float)((net->tangent[i] * net->inverse_rest[i] - across) * (inverse * inverse));
@@ -22,22 +23,22 @@ typedef struct gathering {
 } gathering;
 
 /* Adds k, or its transpose, to a node's own block. */
-static void add_own(double *block, const double k[9], bool turn) {
+static void add_to_diagonal_block(double *block, const double k[9], bool turn) {
     static const int lower[6] = {0, 3, 4, 6, 7, 8}, upper[6] = {0, 1, 4, 2, 5, 8};
     for (int i = 0; i < 6; i++)
         block[i] += k[turn ? upper[i] : lower[i]];
 }
 
 /* Couplings beyond the room for them are lumped into the own blocks. */
-static void take_block(void *user, int32_t row, int32_t column, const double k[9]) {
+static void take_block_as_coupling(void *user, int32_t row, int32_t column, const double k[9]) {
     gathering *g = user;
     bool full = g->n == MULTIGRID_COUPLINGS, turn = row > column;
     if (row == column || full)
-        add_own(g->node + 6 * row, k, false);
+        add_to_diagonal_block(g->node + 6 * row, k, false);
     if (row == column)
         return;
     if (full) {
-        add_own(g->node + 6 * column, k, true);
+        add_to_diagonal_block(g->node + 6 * column, k, true);
         return;
     }
     multigrid_coupling *c = &g->to[g->n++];
@@ -53,7 +54,7 @@ bool realtime_touches(const network_term *term) {
 
 /* What terms add to the tangent of the last evaluation: own blocks into net->node_block, couplings into to.
  * Returns the number of couplings. */
-static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
+static size_t gather_blocks_of_terms(palp_network *net, multigrid_coupling *to) {
     gathering g = {net->node_block, to, 0};
     memset(g.node, 0, 6 * net->n_nodes * sizeof *g.node);
     for (size_t i = 0; i < net->n_nodes; i++) {
@@ -63,27 +64,27 @@ static size_t gather_blocks(palp_network *net, multigrid_coupling *to) {
     }
     for (size_t i = 0; i < net->n_terms; i++)
         if (realtime_touches(net->terms[i]))
-            net->terms[i]->kind->blocks(net->terms[i], net, take_block, &g);
+            net->terms[i]->kind->blocks(net->terms[i], net, take_block_as_coupling, &g);
     return g.n;
 }
 
-static void take_further(void *user, int32_t row, int32_t column, const double k[9]) {
+static void take_further_block(void *user, int32_t row, int32_t column, const double k[9]) {
     multigrid_add_block(user, row, column, k);
 }
 
 /* Adds one part of the blocks of terms on all nodes to the next factor. Parts may come from different
  * ticks. */
-static void gather_further(palp_realtime *rt, size_t part, size_t parts) {
+static void gather_further_blocks(palp_realtime *rt, size_t part, size_t parts) {
     const palp_network *net = rt->net;
     if (part == 0)
         multigrid_clear_blocks(rt->mg);
     for (size_t i = 0; i < net->n_terms; i++)
         if (net->terms[i]->kind->blocks_part)
-            net->terms[i]->kind->blocks_part(net->terms[i], net, part, parts, take_further, rt->mg);
+            net->terms[i]->kind->blocks_part(net->terms[i], net, part, parts, take_further_block, rt->mg);
 }
 
-static void copy_nodes(palp_network *net, const multigrid_source *source) {
-    *source->n_couplings = (int32_t)gather_blocks(net, source->coupling);
+static void copy_nodal_blocks(palp_network *net, const multigrid_source *source) {
+    *source->n_couplings = (int32_t)gather_blocks_of_terms(net, source->coupling);
     for (size_t i = 0; i < 6 * net->n_nodes; i++)
         source->node[i] = (float)net->node_block[i];
 }
@@ -97,7 +98,8 @@ bool realtime_touched(const palp_network *net) {
 
 void realtime_touch(palp_realtime *rt) {
     if (realtime_touched(rt->net))
-        multigrid_touch(rt->mg, rt->net->node_block, gather_blocks(rt->net, rt->touching), rt->touching);
+        multigrid_touch(rt->mg, rt->net->node_block, gather_blocks_of_terms(rt->net, rt->touching),
+                        rt->touching);
 }
 
 palp_status realtime_refresh_now(palp_realtime *rt) {
@@ -105,11 +107,11 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
     multigrid_source source = multigrid_input(rt->mg);
     bool done = false;
     palp_status status = PALP_ERR_SINGULAR;
-    copy_nodes(net, &source);
+    copy_nodal_blocks(net, &source);
     if (rt->filled)
-        gather_further(rt, 0, 1);
+        gather_further_blocks(rt, 0, 1);
     for (size_t i = 0; i < net->n_elements; i++)
-        copy_element(net, rt->element, &source, i);
+        copy_element_block(net, rt->element, &source, i);
     multigrid_place_nodes(rt->mg, net->next.x, rt->element);
     memcpy(source.element, rt->element, source.n_floats * sizeof *rt->element);
     for (int definite = 0; definite < 2 && status == PALP_ERR_SINGULAR; definite++) {
@@ -127,10 +129,10 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
 }
 
 /* Begins the next factor with the elements of the last evaluation. */
-static void begin(palp_realtime *rt) {
+static void begin_next_factor(palp_realtime *rt) {
     const multigrid_source source = multigrid_input(rt->mg);
     rt->element = multigrid_exchange(rt->mg, rt->element);
-    copy_nodes(rt->net, &source);
+    copy_nodal_blocks(rt->net, &source);
     multigrid_begin(rt->mg, rt->definite);
     rt->stage = REFRESH_MAKE;
     rt->at = rt->gathered = 0;
@@ -139,7 +141,7 @@ static void begin(palp_realtime *rt) {
 }
 
 /* If the tangent was not positive definite, starts again with its positive definite part. */
-static bool finish(palp_realtime *rt, palp_status status) {
+static bool finish_or_retry_factor(palp_realtime *rt, palp_status status) {
     rt->at = 0;
     if (status && !rt->definite) {
         rt->definite = true;
@@ -165,10 +167,10 @@ bool realtime_refresh_begins(const palp_realtime *rt) {
 }
 
 /* Waits until the next factor is due. */
-static void wait(palp_realtime *rt) {
+static void wait_for_next_factor(palp_realtime *rt) {
     rt->at++;
     if (rt->filled && rt->gathered < REALTIME_PARTS)
-        gather_further(rt, rt->gathered++, REALTIME_PARTS);
+        gather_further_blocks(rt, rt->gathered++, REALTIME_PARTS);
 }
 
 bool realtime_refresh(palp_realtime *rt) {
@@ -176,9 +178,9 @@ bool realtime_refresh(palp_realtime *rt) {
     bool done = false;
     if (rt->stage == REFRESH_DUE) {
         if (realtime_refresh_begins(rt))
-            begin(rt);
+            begin_next_factor(rt);
         else
-            wait(rt);
+            wait_for_next_factor(rt);
         return false;
     }
     if (rt->thread) {
@@ -187,5 +189,5 @@ bool realtime_refresh(palp_realtime *rt) {
         rt->at++;
         status = multigrid_advance(rt->mg, rt->piece, &done);
     }
-    return (done || status) && finish(rt, status);
+    return (done || status) && finish_or_retry_factor(rt, status);
 }

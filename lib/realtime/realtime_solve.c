@@ -33,7 +33,7 @@ bool realtime_evaluate(palp_realtime *rt, bool tangent, bool trial) {
     return network_evaluate_blocks(rt->net, &blocks);
 }
 
-static void clear_fixed(const palp_network *net, double *q) {
+static void clear_fixed_coordinates(const palp_network *net, double *q) {
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         q[i] = net->dof[i] < 0 ? 0.0 : q[i];
 }
@@ -46,7 +46,7 @@ void realtime_tissue_times(palp_realtime *rt, const double *p, double *q) {
     for (size_t i = 0; i < net->n_terms; i++)
         if (net->terms[i]->kind->times && !realtime_touches(net->terms[i]))
             net->terms[i]->kind->times(net->terms[i], net, p, q);
-    clear_fixed(net, q);
+    clear_fixed_coordinates(net, q);
 }
 
 void realtime_add_touching(const palp_realtime *rt, bool whole, const double *p, double *q) {
@@ -56,7 +56,7 @@ void realtime_add_touching(const palp_realtime *rt, bool whole, const double *p,
         if (realtime_touches(net->terms[i]))
             (whole && kind->whole_times ? kind->whole_times : kind->times)(net->terms[i], net, p, q);
     }
-    clear_fixed(net, q);
+    clear_fixed_coordinates(net, q);
 }
 
 void realtime_tangent_times(palp_realtime *rt, const double *p, double *q) {

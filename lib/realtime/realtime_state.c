@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static void pass_source(const palp_network *net, multigrid_source source, network_cursor *c) {
+static void pass_multigrid_source(const palp_network *net, multigrid_source source, network_cursor *c) {
     network_pass(c, source.element, source.n_floats * sizeof *source.element);
     network_pass(c, source.node, 6 * net->n_nodes * sizeof *source.node);
     network_pass(c, source.n_couplings, sizeof *source.n_couplings);
@@ -16,13 +16,13 @@ static void pass_source(const palp_network *net, multigrid_source source, networ
 }
 
 /* Makes the factor in use again, and the next one as far as it had got. */
-static void remake(palp_realtime *rt, network_cursor *c) {
+static void rebuild_saved_factors(palp_realtime *rt, network_cursor *c) {
     bool done = false;
     multigrid_begin(rt->mg, rt->used_definite);
     while (!done && !multigrid_advance(rt->mg, INFINITY, &done))
         continue;
     multigrid_swap(rt->mg);
-    pass_source(rt->net, multigrid_input(rt->mg), c);
+    pass_multigrid_source(rt->net, multigrid_input(rt->mg), c);
     if (rt->stage != REFRESH_MAKE)
         return;
     multigrid_begin(rt->mg, rt->definite);
@@ -32,7 +32,7 @@ static void remake(palp_realtime *rt, network_cursor *c) {
         refresh_thread_start(rt->thread);
 }
 
-static void pass_realtime(palp_realtime *rt, network_cursor *c) {
+static void pass_realtime_state(palp_realtime *rt, network_cursor *c) {
     if (rt->thread)
         refresh_thread_wait(rt->thread);
     network_pass(c, rt->adjoint, 3 * rt->net->n_nodes * sizeof *rt->adjoint);
@@ -58,11 +58,11 @@ static void pass_realtime(palp_realtime *rt, network_cursor *c) {
     network_pass(c, &rt->used_definite, sizeof rt->used_definite);
     network_pass(c, &rt->adjoint_due, sizeof rt->adjoint_due);
     if (c->way == NETWORK_RESTORE) {
-        pass_source(rt->net, multigrid_input(rt->mg), c);
-        remake(rt, c);
+        pass_multigrid_source(rt->net, multigrid_input(rt->mg), c);
+        rebuild_saved_factors(rt, c);
     } else {
-        pass_source(rt->net, multigrid_used(rt->mg), c);
-        pass_source(rt->net, multigrid_input(rt->mg), c);
+        pass_multigrid_source(rt->net, multigrid_used(rt->mg), c);
+        pass_multigrid_source(rt->net, multigrid_input(rt->mg), c);
     }
 }
 
@@ -73,32 +73,32 @@ typedef struct header {
 } header;
 
 /* All but the checksum. */
-static header header_of(const palp_realtime *rt) {
+static header state_buffer_header(const palp_realtime *rt) {
     network_cursor c = {.way = NETWORK_COUNT};
-    pass_realtime((palp_realtime *)rt, &c); /* counting changes nothing */
+    pass_realtime_state((palp_realtime *)rt, &c); /* counting changes nothing */
     size_t network = palp_network_state_size(rt->net);
     return (header){UINT64_C(0x70616c7072743036), network, sizeof(header) + network + c.bytes, 0};
 }
 
-static uint64_t sum_of(const header *h, const unsigned char *buffer) {
+static uint64_t checksum_of_buffer(const header *h, const unsigned char *buffer) {
     size_t before = sizeof *h + h->network;
     return network_sum(NETWORK_SUM, buffer + before, h->size - before);
 }
 
 size_t palp_realtime_state_size(const palp_realtime *rt) {
-    return rt ? (size_t)header_of(rt).size : 0;
+    return rt ? (size_t)state_buffer_header(rt).size : 0;
 }
 
 palp_status palp_realtime_save(const palp_realtime *rt, void *buffer, size_t size) {
     if (!rt || !buffer)
         return PALP_ERR_ARGUMENT;
-    header h = header_of(rt);
+    header h = state_buffer_header(rt);
     if (!buffer || size < h.size)
         return PALP_ERR_ARGUMENT;
     unsigned char *at = (unsigned char *)buffer + sizeof h;
     network_cursor c = {NETWORK_SAVE, at + h.network, 0};
-    pass_realtime((palp_realtime *)rt, &c); /* saving only reads */
-    h.sum = sum_of(&h, buffer);
+    pass_realtime_state((palp_realtime *)rt, &c); /* saving only reads */
+    h.sum = checksum_of_buffer(&h, buffer);
     memcpy(buffer, &h, sizeof h);
     return palp_network_save(rt->net, at, h.network);
 }
@@ -106,20 +106,20 @@ palp_status palp_realtime_save(const palp_realtime *rt, void *buffer, size_t siz
 palp_status palp_realtime_restore(palp_realtime *rt, const void *buffer, size_t size) {
     if (!rt || !buffer)
         return PALP_ERR_ARGUMENT;
-    header own = header_of(rt), found;
+    header own = state_buffer_header(rt), found;
     if (!buffer || size < own.size)
         return PALP_ERR_ARGUMENT;
     memcpy(&found, buffer, sizeof found);
     if (memcmp(&found, &own, offsetof(header, sum)) != 0)
         return PALP_ERR_ARGUMENT;
-    if (found.sum != sum_of(&own, buffer))
+    if (found.sum != checksum_of_buffer(&own, buffer))
         return PALP_ERR_INPUT;
     unsigned char *at = (unsigned char *)buffer + sizeof own; /* only read */
     palp_status status = palp_network_restore(rt->net, at, own.network);
     if (status)
         return status;
     network_cursor c = {NETWORK_RESTORE, at + own.network, 0};
-    pass_realtime(rt, &c);
+    pass_realtime_state(rt, &c);
     rt->resets = rt->net->resets;
     return PALP_OK;
 }

@@ -22,7 +22,7 @@ double realtime_clock(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static palp_status make(multigrid *mg) {
+static palp_status complete_next_factor(multigrid *mg) {
     bool done = false;
     palp_status status = PALP_OK;
     while (!status && !done)
@@ -30,7 +30,7 @@ static palp_status make(multigrid *mg) {
     return status;
 }
 
-static void *work(void *self) {
+static void *refresh_factors_until_quit(void *self) {
     refresh_thread *t = self;
     pthread_mutex_lock(&t->lock);
     while (!t->quit) {
@@ -39,7 +39,7 @@ static void *work(void *self) {
             continue;
         }
         pthread_mutex_unlock(&t->lock);
-        palp_status status = make(t->mg);
+        palp_status status = complete_next_factor(t->mg);
         pthread_mutex_lock(&t->lock);
         t->status = status;
         t->busy = false;
@@ -56,7 +56,7 @@ palp_status refresh_thread_create(multigrid *mg, refresh_thread **out) {
     t->mg = mg;
     pthread_mutex_init(&t->lock, NULL);
     pthread_cond_init(&t->changed, NULL);
-    if (pthread_create(&t->thread, NULL, work, t)) {
+    if (pthread_create(&t->thread, NULL, refresh_factors_until_quit, t)) {
         free(t);
         return PALP_ERR_NO_MEMORY;
     }

@@ -34,7 +34,7 @@ double realtime_own_stiffness(palp_realtime *rt) {
 }
 
 /* Do elements of constant length keep their forces in this step? */
-static bool forces_last(const palp_network *net) {
+static bool do_forces_outlast_step(const palp_network *net) {
     bool last = net->material.formulation == PALP_HISTORY && net->step.dashpot == 0.0;
     for (size_t j = 0; j < net->material.n_arms; j++)
         last = last && net->step.decay[j] > LASTING;
@@ -45,7 +45,7 @@ bool realtime_may_stay(palp_realtime *rt, double norm) {
     palp_network *net = rt->net;
     const size_t size = 3 * net->n_nodes * sizeof *rt->q;
     double scale;
-    if (!forces_last(net))
+    if (!do_forces_outlast_step(net))
         return true;
     memcpy(rt->q, net->next.x, size);
     memcpy(rt->move, net->fint, size);

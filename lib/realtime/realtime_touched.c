@@ -12,7 +12,7 @@
 
 /* Solves a x = b for x in place of b; a[m m] by columns is overwritten. No pivoting: pivot k is the curvature
  * of direction k after elimination of those before. False if a pivot is not positive. */
-static bool eliminate(size_t m, double *a, double *b) {
+static bool solve_by_elimination(size_t m, double *a, double *b) {
     for (size_t k = 0; k < m; k++) {
         if (!(a[k + k * m] > 0.0))
             return false;
@@ -32,7 +32,7 @@ static bool eliminate(size_t m, double *a, double *b) {
 }
 
 /* Adds to the move what makes the residual orthogonal to all directions. False if that is not downhill. */
-static bool move_along(palp_realtime *rt) {
+static bool move_along_kept_directions(palp_realtime *rt) {
     const size_t n = 3 * rt->net->n_nodes, m = rt->n_directions;
     double a[REALTIME_DIRECTIONS * REALTIME_DIRECTIONS], along[REALTIME_DIRECTIONS],
         size[REALTIME_DIRECTIONS], slope = 0.0;
@@ -40,7 +40,7 @@ static bool move_along(palp_realtime *rt) {
         memcpy(a + i * m, rt->curvature[i], m * sizeof *a);
     dense_transposed_times(n, m, 1.0, rt->direction, rt->r, 0.0, along);
     memcpy(size, along, m * sizeof *size);
-    if (!eliminate(m, a, size))
+    if (!solve_by_elimination(m, a, size))
         return false;
     for (size_t i = 0; i < m; i++)
         slope += along[i] * size[i];
@@ -52,36 +52,36 @@ static bool move_along(palp_realtime *rt) {
 }
 
 /* The whole tangent times direction i, with the tools as they are now. */
-static void touch_direction(palp_realtime *rt, size_t i) {
+static void apply_tangent_to_direction(palp_realtime *rt, size_t i) {
     const size_t n = 3 * rt->net->n_nodes;
     memcpy(rt->tangent + i * n, rt->inner + i * n, n * sizeof *rt->tangent);
     realtime_add_touching(rt, true, rt->direction + i * n, rt->tangent + i * n);
 }
 
 /* Updates the kept directions for the tools as they are now, and moves along them. */
-static void use_directions(palp_realtime *rt) {
+static void renew_and_use_directions(palp_realtime *rt) {
     const size_t m = rt->n_directions;
     double a[REALTIME_DIRECTIONS * REALTIME_DIRECTIONS];
     if (m == 0)
         return;
     for (size_t i = 0; i < m; i++)
-        touch_direction(rt, i);
+        apply_tangent_to_direction(rt, i);
     dense_transposed_product(m, m, 3 * rt->net->n_nodes, rt->direction, rt->tangent, a);
     for (size_t i = 0; i < m; i++)
         memcpy(rt->curvature[i], a + i * m, m * sizeof *a);
-    if (!move_along(rt))
+    if (!move_along_kept_directions(rt))
         rt->n_directions = 0;
 }
 
 /* Adds rt->z / size as a direction; if there is no room, it replaces all others. */
-static void add_direction(palp_realtime *rt, double size) {
+static void keep_search_direction(palp_realtime *rt, double size) {
     const size_t n = 3 * rt->net->n_nodes,
                  last = rt->n_directions < REALTIME_DIRECTIONS ? rt->n_directions : 0;
     double *direction = rt->direction + last * n, row[REALTIME_DIRECTIONS];
     for (size_t i = 0; i < n; i++)
         direction[i] = rt->z[i] / size;
     realtime_tissue_times(rt, direction, rt->inner + last * n);
-    touch_direction(rt, last);
+    apply_tangent_to_direction(rt, last);
     rt->n_directions = last + 1;
     dense_transposed_times(n, last + 1, 1.0, rt->direction, rt->tangent + last * n, 0.0, rt->curvature[last]);
     dense_transposed_times(n, last + 1, 1.0, rt->tangent, direction, 0.0, row);
@@ -90,7 +90,7 @@ static void add_direction(palp_realtime *rt, double size) {
 }
 
 /* Forgets all but the last direction. */
-static void keep_last(palp_realtime *rt) {
+static void keep_last_direction(palp_realtime *rt) {
     const size_t n = 3 * rt->net->n_nodes, last = rt->n_directions - 1;
     double *arrays[] = {rt->direction, rt->inner, rt->tangent};
     for (size_t i = 0; i < 3 && last > 0; i++)
@@ -105,7 +105,7 @@ size_t realtime_solve_touched(palp_realtime *rt, size_t limit, double share) {
     size_t done = 0;
     memset(rt->move, 0, n * sizeof *rt->move);
     realtime_touch(rt);
-    use_directions(rt);
+    renew_and_use_directions(rt);
     do {
         multigrid_apply(rt->mg, rt->r, rt->z);
         done++;
@@ -114,10 +114,10 @@ size_t realtime_solve_touched(palp_realtime *rt, size_t limit, double share) {
         if (!(rz > 0.0) || isinf(rz))
             break;
         rt->error_ratio = sqrt(rz / square);
-        add_direction(rt, sqrt(rz));
-        if (!move_along(rt)) {
-            keep_last(rt);
-            if (!move_along(rt)) {
+        keep_search_direction(rt, sqrt(rz));
+        if (!move_along_kept_directions(rt)) {
+            keep_last_direction(rt);
+            if (!move_along_kept_directions(rt)) {
                 rt->indefinite = true;
                 rt->n_directions = 0;
                 if (done == 1)

@@ -25,48 +25,48 @@ void palp_reduced_free(palp_reduced *r) {
     free(r);
 }
 
-static double *doubles(palp_reduced *r, size_t n) {
+static double *allocate_doubles(palp_reduced *r, size_t n) {
     return arena_take(&r->memory, n, sizeof(double));
 }
 
-static void state_allocate(palp_reduced *r, reduced_state *s) {
-    s->q = doubles(r, r->modes);
-    s->history.strain = doubles(r, r->n_elements);
-    s->history.elastic = doubles(r, r->n_elements);
-    s->history.arm = doubles(r, r->n_elements * r->material.n_arms);
+static void allocate_reduced_state(palp_reduced *r, reduced_state *s) {
+    s->q = allocate_doubles(r, r->modes);
+    s->history.strain = allocate_doubles(r, r->n_elements);
+    s->history.elastic = allocate_doubles(r, r->n_elements);
+    s->history.arm = allocate_doubles(r, r->n_elements * r->material.n_arms);
     s->history.stride = r->n_elements;
 }
 
 palp_status reduced_allocate(palp_reduced *r) {
     size_t n3 = 3 * r->n_nodes, m = r->n_elements, k = r->modes;
-    r->rest = doubles(r, n3);
-    r->lift = doubles(r, n3);
+    r->rest = allocate_doubles(r, n3);
+    r->lift = allocate_doubles(r, n3);
     double **by_element[] = {&r->weight, &r->inverse_rest, &r->reach,         &r->strain,
                              &r->force,  &r->tangent,      &r->inverse_length};
     for (size_t i = 0; i < sizeof by_element / sizeof *by_element; i++)
-        *by_element[i] = doubles(r, m);
+        *by_element[i] = allocate_doubles(r, m);
     double **vectors[] = {&r->gap_rest, &r->gap_lift, &r->direction, &r->vector};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
-        *vectors[i] = doubles(r, 3 * m);
+        *vectors[i] = allocate_doubles(r, 3 * m);
     double **by_mode[] = {&r->rhs, &r->dq, &r->start, &r->past};
     for (size_t i = 0; i < sizeof by_mode / sizeof *by_mode; i++)
-        *by_mode[i] = doubles(r, k);
+        *by_mode[i] = allocate_doubles(r, k);
     double **squares[] = {&r->stiffness, &r->factor, &r->coming};
     for (size_t i = 0; i < sizeof squares / sizeof *squares; i++)
-        *squares[i] = doubles(r, k * k);
-    r->unit = doubles(r, r->n_nodes);
-    r->basis = doubles(r, n3 * k);
-    r->low = doubles(r, k + 1);
-    r->high = doubles(r, k + 1);
-    r->gap = doubles(r, k * 3 * m);
-    r->scaled = doubles(r, k * 3 * REDUCED_BLOCK);
-    r->work = doubles(r, DENSE_WORK * k);
+        *squares[i] = allocate_doubles(r, k * k);
+    r->unit = allocate_doubles(r, r->n_nodes);
+    r->basis = allocate_doubles(r, n3 * k);
+    r->low = allocate_doubles(r, k + 1);
+    r->high = allocate_doubles(r, k + 1);
+    r->gap = allocate_doubles(r, k * 3 * m);
+    r->scaled = allocate_doubles(r, k * 3 * REDUCED_BLOCK);
+    r->work = allocate_doubles(r, DENSE_WORK * k);
     r->fixed = arena_take(&r->memory, n3, sizeof *r->fixed);
     r->triangles = arena_take(&r->memory, 3 * r->n_triangles, sizeof *r->triangles);
     r->pair = arena_take(&r->memory, 2 * m, sizeof *r->pair);
     r->pivot = arena_take(&r->memory, k, sizeof *r->pivot);
-    state_allocate(r, &r->now);
-    state_allocate(r, &r->next);
+    allocate_reduced_state(r, &r->now);
+    allocate_reduced_state(r, &r->next);
     return r->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
@@ -160,8 +160,8 @@ void palp_reduced_reset(palp_reduced *r) {
         reduced_contact_reset(r);
 }
 
-static void find_range(palp_reduced *r, size_t n_paths, palp_snapshots *const *snapshots,
-                       const reduced_samples *samples) {
+static void find_range_of_snapshots(palp_reduced *r, size_t n_paths, palp_snapshots *const *snapshots,
+                                    const reduced_samples *samples) {
     for (size_t i = 0; i < samples->n; i++)
         for (size_t j = 0; j < r->modes; j++) {
             r->low[j] = fmin(r->low[j], samples->q[i * r->modes + j]);
@@ -175,8 +175,8 @@ static void find_range(palp_reduced *r, size_t n_paths, palp_snapshots *const *s
 }
 
 /* |difference| of the plate's and the tools' forces at sample i, and |force| of the full network there. */
-static double force_difference(const palp_snapshots *t, size_t i, double force, const palp_tool_force *tools,
-                               double *size) {
+static double length_of_force_difference(const palp_snapshots *t, size_t i, double force,
+                                         const palp_tool_force *tools, double *size) {
     double plate = force - t->force[i], difference = plate * plate, own = t->force[i] * t->force[i];
     for (size_t j = 0; j < t->n_tools; j++)
         for (size_t k = 0; k < 3; k++) {
@@ -202,7 +202,7 @@ palp_status palp_reduced_compare(palp_reduced *r, const palp_snapshots *t, palp_
         if (t->time[i] > since || t->depth[i] != 0.0 || t->n_tools > 0)
             status = palp_reduced_step(r, t->depth[i], t->n_tools, t->tools + i * t->n_tools,
                                        t->time[i] - since, tools, &info);
-        double difference = force_difference(t, i, info.force_N, tools, &size);
+        double difference = length_of_force_difference(t, i, info.force_N, tools, &size);
         squares += difference * difference;
         result->worst_N = fmax(result->worst_N, difference);
         result->peak_N = fmax(result->peak_N, size);
@@ -213,9 +213,9 @@ palp_status palp_reduced_compare(palp_reduced *r, const palp_snapshots *t, palp_
     return status;
 }
 
-static palp_status measure_error(palp_reduced *r, size_t n_paths, palp_snapshots *const *snapshots,
-                                 size_t n_held_out, palp_snapshots *const *held_out,
-                                 palp_reduce_error *error_held_out) {
+static palp_status measure_errors_on_paths(palp_reduced *r, size_t n_paths, palp_snapshots *const *snapshots,
+                                           size_t n_held_out, palp_snapshots *const *held_out,
+                                           palp_reduce_error *error_held_out) {
     palp_reduced_summary *s = &r->summary;
     for (size_t t = 0; t < n_paths && n_held_out > 0; t++) {
         palp_reduce_error e;
@@ -243,15 +243,16 @@ static palp_status measure_error(palp_reduced *r, size_t n_paths, palp_snapshots
     return PALP_OK;
 }
 
-static bool settings_in_range(const palp_reduce_settings *s) {
+static bool are_settings_in_range(const palp_reduce_settings *s) {
     return s->modes > 0 && s->elements > 0 && s->static_modes <= s->modes && s->tolerance >= 0.0 &&
            s->tolerance < 1.0 && s->element_tolerance >= 0.0 && s->element_tolerance < 1.0;
 }
 
-static palp_status check_create(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                                size_t n_held_out, palp_snapshots *const *held_out,
-                                const palp_reduce_settings *settings, palp_error *error) {
-    bool sound = n_paths > 0 && settings_in_range(settings);
+static palp_status check_creation_arguments(const palp_network *net, size_t n_paths,
+                                            palp_snapshots *const *snapshots, size_t n_held_out,
+                                            palp_snapshots *const *held_out,
+                                            const palp_reduce_settings *settings, palp_error *error) {
+    bool sound = n_paths > 0 && are_settings_in_range(settings);
     for (size_t i = 0; i < n_paths; i++)
         sound = sound && snapshots[i]->n_nodes == net->n_nodes;
     for (size_t i = 0; i < n_held_out; i++)
@@ -271,9 +272,9 @@ static palp_status check_create(const palp_network *net, size_t n_paths, palp_sn
     return PALP_OK;
 }
 
-static palp_status reduce(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                          const palp_reduce_settings *settings, const contact_set *contacts,
-                          palp_reduced **out) {
+static palp_status build_reduced_model(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
+                                       const palp_reduce_settings *settings, const contact_set *contacts,
+                                       palp_reduced **out) {
     size_t modes = 0, n = 0;
     double *basis = NULL, *lift = NULL, *weight = NULL, residual = 0.0;
     int32_t *element = NULL;
@@ -289,7 +290,7 @@ static palp_status reduce(palp_network *net, size_t n_paths, palp_snapshots *con
     if (!status) {
         (*out)->summary.snapshot_paths = n_paths;
         (*out)->summary.element_residual = residual;
-        find_range(*out, n_paths, snapshots, &samples);
+        find_range_of_snapshots(*out, n_paths, snapshots, &samples);
     }
     free(basis);
     free(lift);
@@ -305,7 +306,8 @@ palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshot
                                 palp_reduce_error *error_held_out, palp_error *error) {
     if (!net || !snapshots || (n_held_out > 0 && !held_out) || !settings || !reduced)
         return palp_error_null(error);
-    palp_status status = check_create(net, n_paths, snapshots, n_held_out, held_out, settings, error);
+    palp_status status =
+        check_creation_arguments(net, n_paths, snapshots, n_held_out, held_out, settings, error);
     if (status)
         return status;
     palp_reduced *made = NULL;
@@ -313,11 +315,11 @@ palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshot
     const size_t n_terms = net->n_terms;
     palp_network_reset(net);
     net->n_terms = 0; /* the stiffness at rest has no tools and no cuts */
-    status = reduce(net, n_paths, snapshots, settings, contacts, &made);
+    status = build_reduced_model(net, n_paths, snapshots, settings, contacts, &made);
     net->n_terms = n_terms;
     palp_network_reset(net);
     if (!status)
-        status = measure_error(made, n_paths, snapshots, n_held_out, held_out, error_held_out);
+        status = measure_errors_on_paths(made, n_paths, snapshots, n_held_out, held_out, error_held_out);
     if (status) {
         palp_reduced_free(made);
         return palp_error_set(error, status, "%s",

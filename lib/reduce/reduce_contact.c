@@ -12,7 +12,7 @@ static const double SLACK = 2.0; /* in edges; error allowed for positions away f
 
 /* Numbers the nodes of the triangles, ascending and without repeats, and the triangles' corners by these
  * numbers. */
-static void number_nodes(const palp_reduced *r, reduced_contact *surface, int32_t *number) {
+static void number_surface_nodes(const palp_reduced *r, reduced_contact *surface, int32_t *number) {
     for (size_t i = 0; i < r->n_nodes; i++)
         number[i] = -1;
     for (size_t i = 0; i < 3 * r->n_triangles; i++)
@@ -27,7 +27,7 @@ static void number_nodes(const palp_reduced *r, reduced_contact *surface, int32_
 }
 
 /* Largest motion of a node per coordinate and per depth. */
-static void find_speed(const palp_reduced *r, reduced_contact *surface) {
+static void find_fastest_surface_node(const palp_reduced *r, reduced_contact *surface) {
     for (size_t i = 0; i < surface->n; i++) {
         size_t row = 3 * (size_t)surface->node[i];
         const double *rows = r->basis + row * r->modes;
@@ -36,7 +36,7 @@ static void find_speed(const palp_reduced *r, reduced_contact *surface) {
     }
 }
 
-static palp_status surface_allocate(palp_reduced *r) {
+static palp_status allocate_contact_surface(palp_reduced *r) {
     reduced_contact *surface = r->surface = calloc(1, sizeof *surface);
     arena *memory = &r->memory;
     if (!surface)
@@ -53,7 +53,7 @@ static palp_status surface_allocate(palp_reduced *r) {
     return memory->failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-static palp_status enable(palp_reduced *r, reduced_contact *surface) {
+static palp_status enable_tool_contacts(palp_reduced *r, reduced_contact *surface) {
     for (size_t i = 0; i < 3 * surface->n; i++)
         surface->rest[i] = r->rest[3 * (size_t)surface->node[i / 3] + i % 3];
     for (size_t i = 0; i < surface->n; i++)
@@ -70,19 +70,19 @@ static palp_status enable(palp_reduced *r, reduced_contact *surface) {
 
 palp_status reduced_contact_make(palp_reduced *r) {
     int32_t *number = malloc((r->n_nodes + 1) * sizeof *number);
-    palp_status status = number ? surface_allocate(r) : PALP_ERR_NO_MEMORY;
+    palp_status status = number ? allocate_contact_surface(r) : PALP_ERR_NO_MEMORY;
     if (!status) {
         reduced_contact *surface = r->surface;
-        number_nodes(r, surface, number);
-        find_speed(r, surface);
-        status = enable(r, surface);
+        number_surface_nodes(r, surface, number);
+        find_fastest_surface_node(r, surface);
+        status = enable_tool_contacts(r, surface);
     }
     free(number);
     return status;
 }
 
 /* Position of surface node i at (q, depth) into x. */
-static void place_node(const palp_reduced *r, size_t i, const double *q, double depth, double *x) {
+static void place_surface_node(const palp_reduced *r, size_t i, const double *q, double depth, double *x) {
     for (size_t k = 0; k < 3; k++)
         x[3 * i + k] = reduced_coordinate(r, q, depth, 3 * (size_t)r->surface->node[i] + k);
 }
@@ -95,7 +95,7 @@ void reduced_contact_reset(palp_reduced *r) {
 }
 
 /* The box around a tool; unbounded for a plane. */
-static void tool_box(const palp_tool *tool, double margin, double low[3], double high[3]) {
+static void bounding_box_of_tool(const palp_tool *tool, double margin, double low[3], double high[3]) {
     for (size_t k = 0; k < 3; k++) {
         double start = tool->position_m[k];
         double end = start + (tool->shape == PALP_TOOL_CAPSULE ? tool->length_m * tool->axis[k] : 0.0);
@@ -107,7 +107,7 @@ static void tool_box(const palp_tool *tool, double margin, double low[3], double
 
 /* Finds the nodes that could touch in this step: those whose last position is in a tool's box, enlarged by
  * its travel and the positions' error. */
-static void find_near(palp_reduced *r, double margin) {
+static void find_nodes_near_tools(palp_reduced *r, double margin) {
     reduced_contact *surface = r->surface;
     const contact_set *contacts = &surface->contacts;
     surface->n_near = 0;
@@ -116,7 +116,7 @@ static void find_near(palp_reduced *r, double margin) {
         bool near = false;
         for (size_t t = 0; t < contacts->n_tools && !near; t++) {
             double low[3], high[3];
-            tool_box(&contacts->tool[t], margin, low, high);
+            bounding_box_of_tool(&contacts->tool[t], margin, low, high);
             near = true;
             for (size_t k = 0; k < 3; k++)
                 near = near && x[k] > low[k] && x[k] < high[k];
@@ -127,7 +127,7 @@ static void find_near(palp_reduced *r, double margin) {
 }
 
 /* Largest distance that a tool moves in this step. */
-static double travel(const contact_set *contacts) {
+static double farthest_tool_travel(const contact_set *contacts) {
     double most = 0.0;
     for (size_t i = 0; i < contacts->n_tools && i < contacts->now.n_tools; i++) {
         const palp_tool *was = &contacts->now.pose[i], *is = &contacts->tool[i];
@@ -147,11 +147,11 @@ palp_status reduced_contact_begin(palp_reduced *r, size_t n_tools, const palp_to
     double slack = SLACK * contacts->edge;
     bool all = surface->drift > slack;
     for (size_t i = 0; all && i < surface->n; i++)
-        place_node(r, i, r->now.q, r->now.depth, surface->x);
+        place_surface_node(r, i, r->now.q, r->now.depth, surface->x);
     surface->drift = all ? 0.0 : surface->drift;
-    find_near(r, 2.0 * slack + travel(contacts));
+    find_nodes_near_tools(r, 2.0 * slack + farthest_tool_travel(contacts));
     for (size_t i = 0; i < surface->n_near && !all; i++)
-        place_node(r, (size_t)surface->near[i], r->now.q, r->now.depth, surface->x);
+        place_surface_node(r, (size_t)surface->near[i], r->now.q, r->now.depth, surface->x);
     memcpy(surface->next_x, surface->x, 3 * surface->n * sizeof *surface->x);
     contact_set_place(contacts, 1.0, surface->x, surface->x);
     return PALP_OK;
@@ -163,7 +163,8 @@ void reduced_contact_evaluate(palp_reduced *r, double *drive) {
     double squares = 0.0;
     for (size_t i = 0; i < contacts->n_contacts; i++)
         for (int32_t j = 0; j < contacts->contact[i].corners; j++)
-            place_node(r, (size_t)contacts->contact[i].node[j], r->next.q, r->next.depth, surface->next_x);
+            place_surface_node(r, (size_t)contacts->contact[i].node[j], r->next.q, r->next.depth,
+                               surface->next_x);
     memset(surface->force, 0, 3 * surface->n * sizeof *surface->force);
     contact_set_evaluate(contacts, surface->next_x, surface->force, &squares);
     for (size_t i = 0; i < 3 * surface->n_near; i++) {
@@ -178,7 +179,7 @@ void reduced_contact_evaluate(palp_reduced *r, double *drive) {
 }
 
 /* POD rows of a contact's corners, rows[modes 9], and the contact's tangent times them. */
-static void contact_rows(const palp_reduced *r, const contact *c, double *rows, double *scaled) {
+static void reduced_rows_of_contact(const palp_reduced *r, const contact *c, double *rows, double *scaled) {
     size_t n = r->modes;
     memset(scaled, 0, 9 * n * sizeof *scaled);
     for (int32_t b = 0; b < 3; b++) {
@@ -207,8 +208,8 @@ void reduced_contact_stiffness(const palp_reduced *r, double *stiffness) {
     for (size_t i = 0, k = 0; i <= contacts->n_contacts; i++) {
         bool touches = i < contacts->n_contacts && contacts->contact[i].depth > 0.0;
         if (touches) {
-            contact_rows(r, &contacts->contact[i], rows + CORNERS * k * r->modes,
-                         scaled + CORNERS * k * r->modes);
+            reduced_rows_of_contact(r, &contacts->contact[i], rows + CORNERS * k * r->modes,
+                                    scaled + CORNERS * k * r->modes);
             k++;
         }
         if (k > 0 && (k == AT_ONCE || i == contacts->n_contacts)) {
@@ -221,7 +222,7 @@ void reduced_contact_stiffness(const palp_reduced *r, double *stiffness) {
 bool reduced_contact_refresh(palp_reduced *r) {
     reduced_contact *surface = r->surface;
     for (size_t i = 0; i < surface->n_near; i++)
-        place_node(r, (size_t)surface->near[i], r->next.q, r->next.depth, surface->next_x);
+        place_surface_node(r, (size_t)surface->near[i], r->next.q, r->next.depth, surface->next_x);
     return contact_set_refresh(&surface->contacts, surface->x, surface->next_x);
 }
 

@@ -11,7 +11,7 @@ double reduced_coordinate(const palp_reduced *r, const double *q, double depth, 
     return r->rest[i] + depth * r->lift[i] + dense_dot(r->modes, r->basis + i * r->modes, q);
 }
 
-static bool measure(palp_reduced *r) {
+static bool measure_reduced_elements(palp_reduced *r) {
     bool sound = true;
     for (size_t i = 0; i < 3 * r->n_elements; i++)
         r->direction[i] = r->gap_rest[i] + r->next.depth * r->gap_lift[i];
@@ -30,7 +30,7 @@ static bool measure(palp_reduced *r) {
 }
 
 bool reduced_evaluate(palp_reduced *r, double *drive) {
-    if (!measure(r))
+    if (!measure_reduced_elements(r))
         return false;
     element_trial(&r->material, &r->step, r->n_elements, r->strain, &r->now.history, &r->next.history,
                   r->force, r->tangent);
@@ -45,7 +45,7 @@ bool reduced_evaluate(palp_reduced *r, double *drive) {
 }
 
 /* scaled = (tangent / L0 n n' + force / L (1 - n n')) gap of one element, times its weight. */
-static void scale_gap(const palp_reduced *r, size_t i, double *scaled) {
+static void apply_tangent_to_gap(const palp_reduced *r, size_t i, double *scaled) {
     const double *n = r->direction + 3 * i, *gap = r->gap + 3 * i * r->modes;
     double across = r->weight[i] * r->force[i] * r->inverse_length[i];
     double along = r->weight[i] * r->tangent[i] * r->inverse_rest[i] - across;
@@ -62,7 +62,7 @@ void reduced_stiffness(palp_reduced *r, size_t from, size_t to, double *stiffnes
         size_t last = first + REDUCED_BLOCK < to ? first + REDUCED_BLOCK : to;
         size_t rows = 3 * (last - first), modes = r->modes;
         for (size_t i = first; i < last; i++)
-            scale_gap(r, i, r->scaled + 3 * (i - first) * r->modes);
+            apply_tangent_to_gap(r, i, r->scaled + 3 * (i - first) * r->modes);
         dense_add_outer(modes, modes, rows, 1.0, r->scaled, modes, r->gap + 3 * first * modes, modes,
                         stiffness, modes);
     }

@@ -1,6 +1,6 @@
 /* reduce_file.c: a reduced model as JSON, with its arrays in a binary file next to it. The binary file:
  * "PALPRED1", the number 0x01020304 twice in this machine's byte order (4 bytes each), the sizes (8 bytes
- * each: nodes, modes, elements, triangles), then the arrays of `arrays` below in order. */
+ * each: nodes, modes, elements, triangles), then the arrays of `list_saved_arrays` below in order. */
 #include "reduce_internal.h"
 
 #include "base/json.h"
@@ -19,7 +19,7 @@ typedef struct array {
     size_t bytes;
 } array;
 
-static void arrays(palp_reduced *r, array list[ARRAYS]) {
+static void list_saved_arrays(palp_reduced *r, array list[ARRAYS]) {
     size_t n3 = 3 * r->n_nodes, f = sizeof(double), i = sizeof(int32_t);
     const array all[ARRAYS] = {{r->rest, n3 * f},
                                {r->lift, n3 * f},
@@ -35,7 +35,7 @@ static void arrays(palp_reduced *r, array list[ARRAYS]) {
 }
 
 /* FNV-1a, 64 bits. */
-static uint64_t checksum(uint64_t sum, const void *data, size_t n) {
+static uint64_t update_fnv_checksum(uint64_t sum, const void *data, size_t n) {
     const unsigned char *byte = data;
     for (size_t i = 0; i < n; i++)
         sum = (sum ^ byte[i]) * 0x100000001b3u;
@@ -44,7 +44,7 @@ static uint64_t checksum(uint64_t sum, const void *data, size_t n) {
 
 static const uint64_t CHECKSUM_START = 0xcbf29ce484222325u;
 
-static void head_make(const palp_reduced *r, unsigned char head[HEAD]) {
+static void make_binary_header(const palp_reduced *r, unsigned char head[HEAD]) {
     const uint32_t order[2] = {ORDER, ORDER};
     const uint64_t size[4] = {r->n_nodes, r->modes, r->n_elements, r->n_triangles};
     memcpy(head, MAGIC, 8);
@@ -53,7 +53,7 @@ static void head_make(const palp_reduced *r, unsigned char head[HEAD]) {
 }
 
 /* path with .bin instead of .json. */
-static palp_status arrays_path(const char *path, char out[PALP_PATH_MAX]) {
+static palp_status binary_path_of_model(const char *path, char out[PALP_PATH_MAX]) {
     size_t n = strlen(path);
     if (n >= 5 && strcmp(path + n - 5, ".json") == 0)
         n -= 5;
@@ -71,19 +71,19 @@ typedef struct sums {
     uint64_t checksum;
 } sums;
 
-static sums arrays_write(const palp_reduced *r, FILE *to) {
+static sums write_binary_arrays(const palp_reduced *r, FILE *to) {
     unsigned char head[HEAD];
     array list[ARRAYS];
     palp_reduced copy = *r; /* its arrays are only read */
-    head_make(r, head);
-    arrays(&copy, list);
-    sums out = {HEAD, checksum(CHECKSUM_START, head, HEAD)};
+    make_binary_header(r, head);
+    list_saved_arrays(&copy, list);
+    sums out = {HEAD, update_fnv_checksum(CHECKSUM_START, head, HEAD)};
     fwrite(head, 1, HEAD, to);
     for (size_t i = 0; i < ARRAYS; i++) {
         if (list[i].bytes > 0)
             fwrite(list[i].data, 1, list[i].bytes, to);
         out.bytes += list[i].bytes;
-        out.checksum = checksum(out.checksum, list[i].data, list[i].bytes);
+        out.checksum = update_fnv_checksum(out.checksum, list[i].data, list[i].bytes);
     }
     return out;
 }
@@ -92,7 +92,7 @@ static json_t *number_or_null(double value) {
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-static json_t *error_json(const palp_reduced_summary *s) {
+static json_t *error_summary_as_json(const palp_reduced_summary *s) {
     double worst = s->held_out_paths ? s->held_out_worst : INFINITY,
            rms = s->held_out_paths ? s->held_out_rms : INFINITY;
     return json_pack("{s:f, s:f, s:o, s:o, s:f, s:o}", "element_residual", s->element_residual,
@@ -101,7 +101,7 @@ static json_t *error_json(const palp_reduced_summary *s) {
                      number_or_null(s->bound));
 }
 
-static json_t *tools_json(const palp_reduced *r) {
+static json_t *tool_settings_as_json(const palp_reduced *r) {
     const palp_contact_settings *c = &r->contact_settings;
     return r->max_tools == 0
                ? json_null()
@@ -110,7 +110,7 @@ static json_t *tools_json(const palp_reduced *r) {
                            "max_contacts", (json_int_t)c->max_contacts);
 }
 
-static json_t *root_json(const palp_reduced *r, json_t *network, const char *file, sums check) {
+static json_t *reduced_model_as_json(const palp_reduced *r, json_t *network, const char *file, sums check) {
     const palp_reduced_summary *s = &r->summary;
     char sum[24];
     snprintf(sum, sizeof sum, "%016llx", (unsigned long long)check.checksum);
@@ -120,16 +120,16 @@ static json_t *root_json(const palp_reduced *r, json_t *network, const char *fil
         (json_int_t)s->unknowns, "network_elements", (json_int_t)s->network_elements, "modes",
         (json_int_t)r->modes, "elements", (json_int_t)r->n_elements, "triangles", (json_int_t)r->n_triangles,
         "snapshot_paths", (json_int_t)s->snapshot_paths, "held_out_paths", (json_int_t)s->held_out_paths,
-        "height_mm", 1e3 * s->height_m, "error", error_json(s), "tools", tools_json(r), "arrays", "file",
-        file, "bytes", (json_int_t)check.bytes, "checksum", sum);
+        "height_mm", 1e3 * s->height_m, "error", error_summary_as_json(s), "tools", tool_settings_as_json(r),
+        "arrays", "file", file, "bytes", (json_int_t)check.bytes, "checksum", sum);
 }
 
 /* Writes the arrays, then the model with their name and checksum. */
-static palp_status pair_write(const palp_reduced *r, const char *model, const char *file, palp_file *text,
-                              palp_file *arrays, palp_error *error) {
-    sums check = arrays_write(r, arrays->stream);
+static palp_status write_model_and_arrays(const palp_reduced *r, const char *model, const char *file,
+                                          palp_file *text, palp_file *arrays, palp_error *error) {
+    sums check = write_binary_arrays(r, arrays->stream);
     json_t *network = json_loads(model, 0, NULL);
-    json_t *root = network ? root_json(r, network, file, check) : NULL;
+    json_t *root = network ? reduced_model_as_json(r, network, file, check) : NULL;
     if (root) {
         json_dumpf(root, text->stream, JSON_INDENT(2)); /* errors of the stream are checked later */
         fputc('\n', text->stream);
@@ -148,7 +148,7 @@ palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, c
         return palp_error_null(error);
     char beside[PALP_PATH_MAX], *network = NULL;
     palp_file text, arrays_file;
-    palp_status status = arrays_path(path, beside);
+    palp_status status = binary_path_of_model(path, beside);
     const char *slash = status ? NULL : strrchr(beside, '/'), *file = slash ? slash + 1 : beside;
     if (status)
         return palp_error_set(error, status, "%s: not written: the path is too long", path);
@@ -166,7 +166,7 @@ palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, c
         if (status)
             palp_file_abandon(&arrays_file);
         else
-            status = pair_write(r, network, file, &text, &arrays_file, error);
+            status = write_model_and_arrays(r, network, file, &text, &arrays_file, error);
     }
     free(network);
     return status;
@@ -174,7 +174,7 @@ palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, c
 
 /* ---- reading ------------------------------------------------------------------------------------- */
 
-static palp_status count_read(const palp_json *at, const char *key, size_t *value) {
+static palp_status read_whole_number(const palp_json *at, const char *key, size_t *value) {
     palp_json member;
     palp_status status = palp_json_require(at, key, &member);
     if (status)
@@ -187,7 +187,7 @@ static palp_status count_read(const palp_json *at, const char *key, size_t *valu
 }
 
 /* A number >= 0; absent is the value for null, if that is allowed. */
-static palp_status number_read(const palp_json *at, const char *key, double absent, double *value) {
+static palp_status read_number_or_null(const palp_json *at, const char *key, double absent, double *value) {
     palp_json member;
     palp_status status = palp_json_require(at, key, &member);
     *value = absent;
@@ -196,7 +196,7 @@ static palp_status number_read(const palp_json *at, const char *key, double abse
     return palp_json_not_negative(&member, value);
 }
 
-static palp_status version_read(const palp_json *root) {
+static palp_status read_reduced_version(const palp_json *root) {
     palp_json palpate, version;
     if (!json_is_object(root->value) || !palp_json_member(root, "palpate", &palpate) ||
         !json_is_object(palpate.value) || !palp_json_member(&palpate, "reduced", &version))
@@ -207,7 +207,7 @@ static palp_status version_read(const palp_json *root) {
     return PALP_OK;
 }
 
-static palp_status network_read(const palp_json *root, palp_model *model, palp_mesh_source *mesh) {
+static palp_status read_network_model(const palp_json *root, palp_model *model, palp_mesh_source *mesh) {
     palp_json network;
     palp_status status = palp_json_require(root, "network", &network);
     if (!status)
@@ -217,7 +217,7 @@ static palp_status network_read(const palp_json *root, palp_model *model, palp_m
     return status;
 }
 
-static palp_status sizes_read(const palp_json *root, palp_reduced *r) {
+static palp_status read_array_sizes(const palp_json *root, palp_reduced *r) {
     const struct {
         const char *key;
         size_t *to;
@@ -231,16 +231,16 @@ static palp_status sizes_read(const palp_json *root, palp_reduced *r) {
                   {"held_out_paths", &r->summary.held_out_paths}};
     palp_status status = PALP_OK;
     for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
-        status = count_read(root, counts[i].key, counts[i].to);
+        status = read_whole_number(root, counts[i].key, counts[i].to);
     r->summary.modes = r->modes;
     r->summary.elements = r->n_elements;
     if (!status)
-        status = number_read(root, "height_mm", NAN, &r->summary.height_m);
+        status = read_number_or_null(root, "height_mm", NAN, &r->summary.height_m);
     r->summary.height_m *= 1e-3;
     return status;
 }
 
-static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
+static palp_status read_error_summary(const palp_json *root, palp_reduced_summary *s) {
     static const char *const keys[] = {"element_residual", "held_out_worst", "held_out_rms",
                                        "held_out_peak_N",  "bound",          "snapshot_worst"};
     static const double absent[] = {NAN, 0.0, 0.0, NAN, INFINITY, NAN};
@@ -251,11 +251,11 @@ static palp_status error_read(const palp_json *root, palp_reduced_summary *s) {
     if (!status)
         status = palp_json_keys(&at, 6, keys);
     for (size_t i = 0; i < 6 && !status; i++)
-        status = number_read(&at, keys[i], absent[i], to[i]);
+        status = read_number_or_null(&at, keys[i], absent[i], to[i]);
     return status;
 }
 
-static palp_status tools_read(const palp_json *root, palp_reduced *r) {
+static palp_status read_tool_settings(const palp_json *root, palp_reduced *r) {
     static const char *const keys[] = {"stiffness", "grasp_stiffness", "smoothing", "at_once",
                                        "max_contacts"};
     palp_contact_settings *c = &r->contact_settings;
@@ -267,7 +267,8 @@ static palp_status tools_read(const palp_json *root, palp_reduced *r) {
         return status;
     status = palp_json_keys(&at, 5, keys);
     for (size_t i = 0; i < 5 && !status; i++)
-        status = i < 3 ? number_read(&at, keys[i], NAN, number[i]) : count_read(&at, keys[i], count[i - 3]);
+        status = i < 3 ? read_number_or_null(&at, keys[i], NAN, number[i])
+                       : read_whole_number(&at, keys[i], count[i - 3]);
     bool sound = c->stiffness > 0.0 && c->grasp_stiffness > 0.0 && c->smoothing > 0.0 && r->max_tools <= 1000;
     if (!status && !sound)
         status = palp_json_fail(&at, PALP_ERR_INPUT, "has a number out of range");
@@ -275,11 +276,11 @@ static palp_status tools_read(const palp_json *root, palp_reduced *r) {
 }
 
 /* What contradicts the header, as a sentence, or NULL. */
-static const char *bytes_wrong(const palp_reduced *r, const char *bytes, size_t size, size_t want,
-                               const char *sum) {
+static const char *describe_wrong_bytes(const palp_reduced *r, const char *bytes, size_t size, size_t want,
+                                        const char *sum) {
     unsigned char head[HEAD];
     char is[24];
-    head_make(r, head);
+    make_binary_header(r, head);
     if (size < HEAD || memcmp(bytes, MAGIC, sizeof MAGIC) != 0)
         return "are not the arrays of a reduced model";
     if (memcmp(bytes + 8, head + 8, 8) != 0)
@@ -288,31 +289,33 @@ static const char *bytes_wrong(const palp_reduced *r, const char *bytes, size_t 
         return "have other sizes than the model says";
     if (size != want)
         return "are of another length";
-    snprintf(is, sizeof is, "%016llx", (unsigned long long)checksum(CHECKSUM_START, bytes, size));
+    snprintf(is, sizeof is, "%016llx", (unsigned long long)update_fnv_checksum(CHECKSUM_START, bytes, size));
     return strcmp(is, sum) != 0 ? "have another checksum: damaged, or of another model" : NULL;
 }
 
-static bool finite_all(const double *x, size_t n) {
+static bool are_all_values_finite(const double *x, size_t n) {
     double sum = 0.0;
     for (size_t i = 0; i < n; i++)
         sum += x[i] * 0.0;
     return sum == 0.0;
 }
 
-static bool nodes_sound(const int32_t *node, size_t n, size_t n_nodes) {
+static bool are_nodes_in_range(const int32_t *node, size_t n, size_t n_nodes) {
     for (size_t i = 0; i < n; i++)
         if (node[i] < 0 || (size_t)node[i] >= n_nodes)
             return false;
     return true;
 }
 
-static bool arrays_sound(const palp_reduced *r) {
+static bool are_arrays_valid(const palp_reduced *r) {
     size_t n3 = 3 * r->n_nodes;
-    bool sound = finite_all(r->rest, n3) && finite_all(r->lift, n3) && finite_all(r->basis, n3 * r->modes) &&
-                 finite_all(r->weight, r->n_elements) && finite_all(r->low, r->modes + 1) &&
-                 finite_all(r->high, r->modes + 1) && finite_all(r->unit, r->n_nodes) &&
-                 nodes_sound(r->pair, 2 * r->n_elements, r->n_nodes) &&
-                 nodes_sound(r->triangles, 3 * r->n_triangles, r->n_nodes);
+    bool sound = are_all_values_finite(r->rest, n3) && are_all_values_finite(r->lift, n3) &&
+                 are_all_values_finite(r->basis, n3 * r->modes) &&
+                 are_all_values_finite(r->weight, r->n_elements) &&
+                 are_all_values_finite(r->low, r->modes + 1) &&
+                 are_all_values_finite(r->high, r->modes + 1) && are_all_values_finite(r->unit, r->n_nodes) &&
+                 are_nodes_in_range(r->pair, 2 * r->n_elements, r->n_nodes) &&
+                 are_nodes_in_range(r->triangles, 3 * r->n_triangles, r->n_nodes);
     for (size_t i = 0; i < r->n_elements && sound; i++)
         sound = r->weight[i] >= 0.0 && memcmp(r->rest + 3 * r->pair[2 * i], r->rest + 3 * r->pair[2 * i + 1],
                                               3 * sizeof *r->rest) != 0;
@@ -320,37 +323,37 @@ static bool arrays_sound(const palp_reduced *r) {
 }
 
 /* Size of the arrays in bytes; 0 if it is impossibly large. */
-static size_t bytes_wanted(palp_reduced *r) {
+static size_t expected_array_bytes(palp_reduced *r) {
     array list[ARRAYS];
     size_t sum = HEAD;
     if (r->n_nodes == 0 || r->modes > 10000 || (double)r->n_nodes * (double)(r->modes + 10) > 1e11)
         return 0;
-    arrays(r, list);
+    list_saved_arrays(r, list);
     for (size_t i = 0; i < ARRAYS; i++)
         sum += list[i].bytes;
     return sum;
 }
 
-static palp_status arrays_fill(const palp_json *at, palp_reduced *r, const char *bytes) {
+static palp_status fill_arrays_from_bytes(const palp_json *at, palp_reduced *r, const char *bytes) {
     array list[ARRAYS];
     palp_status status = reduced_allocate(r);
     if (status)
         return palp_json_fail(at, status, ": out of memory");
-    arrays(r, list);
+    list_saved_arrays(r, list);
     for (size_t i = 0, from = HEAD; i < ARRAYS; from += list[i++].bytes)
         if (list[i].bytes > 0)
             memcpy(list[i].data, bytes + from, list[i].bytes);
-    if (!arrays_sound(r))
+    if (!are_arrays_valid(r))
         return palp_json_fail(at, PALP_ERR_INPUT, "holds a number that makes no model");
     return reduced_prepare(r);
 }
 
-static palp_status arrays_read(const palp_json *root, palp_reduced *r, palp_error *error) {
+static palp_status read_binary_arrays(const palp_json *root, palp_reduced *r, palp_error *error) {
     static const char *const keys[] = {"file", "bytes", "checksum"};
     palp_json at, file, sum;
     const char *name = "", *check = "";
     char folder[PALP_PATH_MAX], path[PALP_PATH_MAX], *bytes = NULL;
-    size_t size = 0, want = bytes_wanted(r), said = 0;
+    size_t size = 0, want = expected_array_bytes(r), said = 0;
     palp_status status = palp_json_require(root, "arrays", &at);
     if (!status)
         status = palp_json_keys(&at, 3, keys);
@@ -363,7 +366,7 @@ static palp_status arrays_read(const palp_json *root, palp_reduced *r, palp_erro
     if (!status)
         status = palp_json_string(&sum, &check);
     if (!status)
-        status = count_read(&at, "bytes", &said);
+        status = read_whole_number(&at, "bytes", &said);
     if (status)
         return status;
     if (want == 0 || said != want)
@@ -371,35 +374,35 @@ static palp_status arrays_read(const palp_json *root, palp_reduced *r, palp_erro
     if (palp_model_folder(root->file->path, folder) || palp_model_join(folder, name, path))
         return palp_json_fail(&file, PALP_ERR_LIMIT, "is too long a path");
     status = palp_file_read(path, &bytes, &size, error);
-    const char *wrong = status ? NULL : bytes_wrong(r, bytes, size, want, check);
+    const char *wrong = status ? NULL : describe_wrong_bytes(r, bytes, size, want, check);
     if (wrong)
         status = palp_json_fail(&file, PALP_ERR_INPUT, ": the bytes of %s %s", name, wrong);
     if (!status)
-        status = arrays_fill(&file, r, bytes);
+        status = fill_arrays_from_bytes(&file, r, bytes);
     free(bytes);
     return status;
 }
 
-static palp_status reduced_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh,
-                                     palp_reduced *r, palp_error *error) {
+static palp_status read_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh,
+                                        palp_reduced *r, palp_error *error) {
     static const char *const keys[] = {
         "palpate",   "network",  "nodes",     "unknowns",       "network_elements",
         "modes",     "elements", "triangles", "snapshot_paths", "held_out_paths",
         "height_mm", "error",    "tools",     "arrays"};
-    palp_status status = version_read(root);
+    palp_status status = read_reduced_version(root);
     if (!status)
         status = palp_json_keys(root, sizeof keys / sizeof *keys, keys);
     if (!status)
-        status = network_read(root, model, mesh);
+        status = read_network_model(root, model, mesh);
     if (!status) {
         r->material = model->material;
-        status = sizes_read(root, r);
+        status = read_array_sizes(root, r);
     }
     if (!status)
-        status = error_read(root, &r->summary);
+        status = read_error_summary(root, &r->summary);
     if (!status)
-        status = tools_read(root, r);
-    return status ? status : arrays_read(root, r, error);
+        status = read_tool_settings(root, r);
+    return status ? status : read_binary_arrays(root, r, error);
 }
 
 palp_status palp_reduced_read(const char *path, palp_model *model, palp_mesh_source *mesh,
@@ -415,7 +418,7 @@ palp_status palp_reduced_read(const char *path, palp_model *model, palp_mesh_sou
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
     palp_status status = palp_json_open(path, &file, &root, error);
     if (!status) {
-        status = reduced_from_json(&root, &made, mesh ? mesh : &unwanted, r, error);
+        status = read_model_from_json(&root, &made, mesh ? mesh : &unwanted, r, error);
         palp_json_close(&file);
     }
     if (status) {

@@ -18,7 +18,7 @@ void reduced_at_rest(palp_network *net) {
 }
 
 /* out = K u for all coordinates of a network at rest. */
-static void rest_times(const palp_network *net, const double *u, double *out) {
+static void multiply_rest_stiffness(const palp_network *net, const double *u, double *out) {
     memset(out, 0, 3 * net->n_nodes * sizeof *out);
     for (size_t i = 0; i < net->n_elements; i++) {
         size_t a = 3 * (size_t)net->pair[2 * i], b = 3 * (size_t)net->pair[2 * i + 1];
@@ -34,7 +34,7 @@ static void rest_times(const palp_network *net, const double *u, double *out) {
 }
 
 /* lift: the linear response at rest to the plate's motion. */
-static palp_status find_lift(palp_network *net, double *lift) {
+static palp_status find_linear_response(palp_network *net, double *lift) {
     int negative;
     reduced_at_rest(net);
     palp_status status = network_factor(net, 0.0, &negative);
@@ -48,8 +48,8 @@ static palp_status find_lift(palp_network *net, double *lift) {
 }
 
 /* Displacements of the samples without the lift, u[3 n_nodes samples]. */
-static void find_displacements(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                               const double *lift, double *u) {
+static void find_sample_displacements(const palp_network *net, size_t n_paths,
+                                      palp_snapshots *const *snapshots, const double *lift, double *u) {
     size_t n3 = 3 * net->n_nodes;
     for (size_t t = 0; t < n_paths; t++)
         for (size_t i = 0; i < snapshots[t]->n; i++) {
@@ -61,7 +61,7 @@ static void find_displacements(const palp_network *net, size_t n_paths, palp_sna
 }
 
 /* How many of the largest eigenvalues w[n] (ascending) contain all but tolerance^2 of the sum. */
-static size_t worth_keeping(size_t n, const double *w, double tolerance, size_t most) {
+static size_t count_significant_modes(size_t n, const double *w, double tolerance, size_t most) {
     double sum = 0.0, left = 0.0;
     for (size_t i = 0; i < n; i++)
         sum += fmax(w[i], 0.0);
@@ -73,8 +73,8 @@ static size_t worth_keeping(size_t n, const double *w, double tolerance, size_t 
 }
 
 /* columns[rows count] = u z / sqrt(w) for the count largest eigenvalues. */
-static void combine(size_t rows, size_t n, const double *u, double *z, const double *w, size_t count,
-                    double *columns) {
+static void combine_modes_of_samples(size_t rows, size_t n, const double *u, double *z, const double *w,
+                                     size_t count, double *columns) {
     for (size_t j = n - count; j < n; j++)
         for (size_t i = 0; i < n; i++)
             z[j * n + i] /= sqrt(w[j]);
@@ -89,46 +89,46 @@ static void combine(size_t rows, size_t n, const double *u, double *z, const dou
 }
 
 /* v += scale u. */
-static void add(size_t n, double scale, const double *u, double *v) {
+static void add_scaled_vector(size_t n, double scale, const double *u, double *v) {
     for (size_t k = 0; k < n; k++)
         v[k] += scale * u[k];
 }
 
 /* A second Gram-Schmidt pass in K, against rounding; stiff[3 n_nodes] is scratch. */
-static void orthonormalize(const palp_network *net, size_t count, double *columns, double *stiff) {
+static void orthonormalize_columns(const palp_network *net, size_t count, double *columns, double *stiff) {
     size_t n3 = 3 * net->n_nodes;
     for (size_t j = 0; j < count; j++) {
         double *v = columns + j * n3;
-        rest_times(net, v, stiff);
+        multiply_rest_stiffness(net, v, stiff);
         for (size_t i = 0; i < j; i++)
-            add(n3, -dense_dot(n3, columns + i * n3, stiff), columns + i * n3, v);
-        rest_times(net, v, stiff);
-        add(n3, 1.0 / sqrt(dense_dot(n3, v, stiff)) - 1.0, v, v);
+            add_scaled_vector(n3, -dense_dot(n3, columns + i * n3, stiff), columns + i * n3, v);
+        multiply_rest_stiffness(net, v, stiff);
+        add_scaled_vector(n3, 1.0 / sqrt(dense_dot(n3, v, stiff)) - 1.0, v, v);
     }
 }
 
 /* POD modes of the samples: columns[3 n_nodes *count]. */
-static palp_status proper_modes(const palp_network *net, size_t n, const double *u, double tolerance,
-                                size_t most, double *columns, size_t *count) {
+static palp_status find_proper_modes(const palp_network *net, size_t n, const double *u, double tolerance,
+                                     size_t most, double *columns, size_t *count) {
     size_t n3 = 3 * net->n_nodes;
     double *stiff = malloc((n3 * n + 1) * sizeof *stiff), *c = malloc((n * n + n + 1) * sizeof *c);
     palp_status status = stiff && c ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status) {
         for (size_t i = 0; i < n; i++)
-            rest_times(net, u + i * n3, stiff + i * n3);
+            multiply_rest_stiffness(net, u + i * n3, stiff + i * n3);
         dense_transposed_product(n, n, n3, u, stiff, c);
         status = dense_eigen(n, c, c + n * n);
     }
     if (!status) {
-        *count = worth_keeping(n, c + n * n, tolerance, most);
-        combine(n3, n, u, c, c + n * n, *count, columns);
+        *count = count_significant_modes(n, c + n * n, tolerance, most);
+        combine_modes_of_samples(n3, n, u, c, c + n * n, *count, columns);
     }
     free(stiff);
     free(c);
     return status;
 }
 
-static double distance_to_tool(const palp_tool *tool, const double x[3]) {
+static double distance_of_node_to_tool(const palp_tool *tool, const double x[3]) {
     double d[3] = {x[0] - tool->position_m[0], x[1] - tool->position_m[1], x[2] - tool->position_m[2]};
     double along = d[0] * tool->axis[0] + d[1] * tool->axis[1] + d[2] * tool->axis[2];
     if (tool->shape == PALP_TOOL_PLANE)
@@ -141,8 +141,8 @@ static double distance_to_tool(const palp_tool *tool, const double x[3]) {
 
 /* Free coordinates of surface nodes within an element's length of a tool, into list unless NULL; returns
  * their number. */
-static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                      size_t *list) {
+static size_t list_touched_coordinates(const palp_network *net, size_t n_paths,
+                                       palp_snapshots *const *snapshots, size_t *list) {
     size_t n_triangles = palp_mesh_triangle_count(net->mesh), n = 0;
     const int32_t *triangles = palp_mesh_triangles(net->mesh);
     unsigned char *near = calloc(net->n_nodes + 1, 1);
@@ -152,8 +152,8 @@ static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *c
         for (size_t t = 0; !near[node] && t < n_paths; t++)
             for (size_t i = 0; i < snapshots[t]->n && !near[node]; i++)
                 for (size_t k = 0; k < snapshots[t]->n_tools; k++)
-                    if (distance_to_tool(&snapshots[t]->tools[i * snapshots[t]->n_tools + k],
-                                         snapshots[t]->x + 3 * (net->n_nodes * i + node)) < length)
+                    if (distance_of_node_to_tool(&snapshots[t]->tools[i * snapshots[t]->n_tools + k],
+                                                 snapshots[t]->x + 3 * (net->n_nodes * i + node)) < length)
                         near[node] = 1;
     }
     for (size_t i = 0; near && i < 3 * net->n_nodes; i++)
@@ -169,8 +169,8 @@ static size_t touched(const palp_network *net, size_t n_paths, palp_snapshots *c
 /* Appends at most `most` columns: the response to unit loads at the coordinates list[n] that the count
  * columns do not span. These are the largest eigenvectors of the compliance e' K^-1 e less that of the
  * columns. */
-static palp_status static_modes(palp_network *net, size_t n, const size_t *list, size_t most, double *columns,
-                                size_t *count) {
+static palp_status find_static_load_modes(palp_network *net, size_t n, const size_t *list, size_t most,
+                                          double *columns, size_t *count) {
     size_t n3 = 3 * net->n_nodes;
     double *answer = calloc(n3 * n + 1, sizeof *answer), *c = malloc((n * n + n + 1) * sizeof *c);
     palp_status status = answer && c ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -183,15 +183,15 @@ static palp_status static_modes(palp_network *net, size_t n, const size_t *list,
             u[k] = net->dof[k] < 0 ? 0.0 : net->dx[net->dof[k]];
         for (size_t j = 0; j < *count;
              j++) /* the K product of answer and column is the column's value at the load */
-            add(n3, -columns[j * n3 + list[i]], columns + j * n3, u);
+            add_scaled_vector(n3, -columns[j * n3 + list[i]], columns + j * n3, u);
     }
     for (size_t i = 0; !status && i < n; i++)
         for (size_t j = 0; j < n; j++)
             c[i * n + j] = 0.5 * (answer[i * n3 + list[j]] + answer[j * n3 + list[i]]);
     status = status ? status : dense_eigen(n, c, c + n * n);
     if (!status) {
-        size_t more = worth_keeping(n, c + n * n, 1e-4, most);
-        combine(n3, n, answer, c, c + n * n, more, columns + *count * n3);
+        size_t more = count_significant_modes(n, c + n * n, 1e-4, most);
+        combine_modes_of_samples(n3, n, answer, c, c + n * n, more, columns + *count * n3);
         *count += more;
     }
     free(answer);
@@ -200,25 +200,25 @@ static palp_status static_modes(palp_network *net, size_t n, const size_t *list,
 }
 
 /* rows[3 n_nodes count]: the transpose of columns[count 3 n_nodes]. */
-static void by_rows(size_t n3, size_t count, const double *columns, double *rows) {
+static void transpose_columns_to_rows(size_t n3, size_t count, const double *columns, double *rows) {
     for (size_t j = 0; j < count; j++)
         for (size_t i = 0; i < n3; i++)
             rows[i * count + j] = columns[j * n3 + i];
 }
 
-static palp_status find_columns(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
-                                const palp_reduce_settings *settings, size_t n, const double *u,
-                                double *columns, size_t *count) {
+static palp_status find_basis_columns(palp_network *net, size_t n_paths, palp_snapshots *const *snapshots,
+                                      const palp_reduce_settings *settings, size_t n, const double *u,
+                                      double *columns, size_t *count) {
     size_t loads = settings->static_modes < settings->modes ? settings->static_modes : settings->modes;
     palp_status status =
-        proper_modes(net, n, u, settings->tolerance, settings->modes - loads, columns, count);
+        find_proper_modes(net, n, u, settings->tolerance, settings->modes - loads, columns, count);
     size_t *list = malloc((3 * net->n_nodes + 1) * sizeof *list);
     if (!status && !list)
         status = PALP_ERR_NO_MEMORY;
     if (!status && loads > 0) {
-        size_t n_list = touched(net, n_paths, snapshots, list);
+        size_t n_list = list_touched_coordinates(net, n_paths, snapshots, list);
         if (n_list > 0)
-            status = static_modes(net, n_list, list, loads, columns, count);
+            status = find_static_load_modes(net, n_list, list, loads, columns, count);
     }
     free(list);
     return status;
@@ -234,21 +234,22 @@ palp_status reduced_pod(palp_network *net, size_t n_paths, palp_snapshots *const
            *columns = malloc((n3 * settings->modes + 1) * sizeof *columns);
     double *stiff = malloc((n3 + 1) * sizeof *stiff), *rows = NULL, *q = NULL;
     *lift = calloc(n3 + 1, sizeof **lift);
-    palp_status status = u && columns && stiff && *lift ? find_lift(net, *lift) : PALP_ERR_NO_MEMORY;
+    palp_status status =
+        u && columns && stiff && *lift ? find_linear_response(net, *lift) : PALP_ERR_NO_MEMORY;
     if (!status) {
-        find_displacements(net, n_paths, snapshots, *lift, u);
-        status = find_columns(net, n_paths, snapshots, settings, n, u, columns, &count);
+        find_sample_displacements(net, n_paths, snapshots, *lift, u);
+        status = find_basis_columns(net, n_paths, snapshots, settings, n, u, columns, &count);
     }
     if (!status) {
-        orthonormalize(net, count, columns, stiff);
+        orthonormalize_columns(net, count, columns, stiff);
         rows = malloc((n3 * count + 1) * sizeof *rows);
         q = malloc((count * n + 1) * sizeof *q);
         status = rows && q ? PALP_OK : PALP_ERR_NO_MEMORY;
     }
     if (!status) {
-        by_rows(n3, count, columns, rows);
+        transpose_columns_to_rows(n3, count, columns, rows);
         for (size_t i = 0; i < n; i++) {
-            rest_times(net, u + i * n3, stiff);
+            multiply_rest_stiffness(net, u + i * n3, stiff);
             dense_transposed_product(count, 1, n3, columns, stiff, q + i * count);
         }
         *modes = count;

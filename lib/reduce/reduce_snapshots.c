@@ -17,7 +17,7 @@ void palp_snapshots_free(palp_snapshots *t) {
     free(t);
 }
 
-static palp_snapshots *snapshots_new(const palp_network *net, const palp_tool_path *path) {
+static palp_snapshots *create_empty_snapshots(const palp_network *net, const palp_tool_path *path) {
     palp_snapshots *t = calloc(1, sizeof *t);
     if (!t)
         return NULL;
@@ -36,7 +36,7 @@ static palp_snapshots *snapshots_new(const palp_network *net, const palp_tool_pa
     return NULL;
 }
 
-static bool path_sound(const palp_tool_path *path) {
+static bool is_tool_path_valid(const palp_tool_path *path) {
     double before = -1.0;
     for (size_t i = 0; i < path->n; i++) {
         double time = path->time_s[i], depth = path->depth_m ? path->depth_m[i] : 0.0;
@@ -58,7 +58,7 @@ typedef struct recorder {
 
 /* Solves for equilibrium, with the kept factor if there is one, which is much faster for large networks.
  * Newton's iteration follows if that does not converge. */
-static palp_status step(const recorder *rec, double depth, double dt) {
+static palp_status step_to_equilibrium(const recorder *rec, double depth, double dt) {
     const palp_budget budget = {.corrections = CORRECTIONS};
     palp_tick_info info;
     if (!rec->realtime)
@@ -74,14 +74,14 @@ static palp_status step(const recorder *rec, double depth, double dt) {
 }
 
 /* Records one sample: sets the tools, makes a step, stores the result. */
-static palp_status record_sample(const recorder *rec, palp_snapshots *t, size_t i) {
+static palp_status record_one_sample(const recorder *rec, palp_snapshots *t, size_t i) {
     palp_network *net = rec->net;
     double since = i ? t->time[i - 1] : 0.0;
     palp_status status = PALP_OK;
     if (t->n_tools > 0)
         status = palp_network_set_tools(net, t->n_tools, t->tools + i * t->n_tools);
     if (!status && (t->time[i] > since || t->depth[i] != 0.0 || t->n_tools > 0))
-        status = step(rec, t->depth[i], t->time[i] - since);
+        status = step_to_equilibrium(rec, t->depth[i], t->time[i] - since);
     if (!status && t->n_tools > 0)
         status = palp_network_tool_force(net, rec->force);
     if (status)
@@ -93,15 +93,16 @@ static palp_status record_sample(const recorder *rec, palp_snapshots *t, size_t 
     return PALP_OK;
 }
 
-static palp_status record(const recorder *rec, const palp_tool_path *path, palp_network_observer observer,
-                          void *user, palp_snapshots *t, palp_error *error) {
+static palp_status record_whole_path(const recorder *rec, const palp_tool_path *path,
+                                     palp_network_observer observer, void *user, palp_snapshots *t,
+                                     palp_error *error) {
     palp_status status = PALP_OK;
     for (size_t i = 0; !status && i < t->n; i++) {
         t->time[i] = path->time_s[i];
         t->depth[i] = path->depth_m ? path->depth_m[i] : 0.0;
         if (t->n_tools > 0)
             memcpy(t->tools + i * t->n_tools, path->tools + i * t->n_tools, t->n_tools * sizeof *t->tools);
-        status = record_sample(rec, t, i);
+        status = record_one_sample(rec, t, i);
         if (status)
             palp_error_set(error, status, "%s at %g s", palp_status_text(status), t->time[i]);
         else if (observer && observer(user, t->time[i], t->depth[i], t->force[i]))
@@ -115,12 +116,12 @@ palp_status palp_snapshots_record(palp_network *net, palp_realtime *realtime, co
                                   palp_error *error) {
     if (!net || !path || !snapshots)
         return palp_error_null(error);
-    if (!path_sound(path) || (realtime && palp_realtime_network(realtime) != net))
+    if (!is_tool_path_valid(path) || (realtime && palp_realtime_network(realtime) != net))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
                               "a path needs finite numbers at increasing times from 0 s on");
     recorder rec = {
         .net = net, .realtime = realtime, .saved_size = realtime ? palp_network_state_size(net) : 1};
-    palp_snapshots *t = snapshots_new(net, path);
+    palp_snapshots *t = create_empty_snapshots(net, path);
     rec.force = calloc(path->n_tools + 1, sizeof *rec.force);
     rec.saved = malloc(rec.saved_size);
     palp_status status = t && rec.force && rec.saved ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -128,7 +129,7 @@ palp_status palp_snapshots_record(palp_network *net, palp_realtime *realtime, co
     if (realtime)
         palp_realtime_reset(realtime); /* if that fails, the factor in use stays */
     if (!status)
-        status = record(&rec, path, observer, user, t, error);
+        status = record_whole_path(&rec, path, observer, user, t, error);
     free(rec.force);
     free(rec.saved);
     if (status) {

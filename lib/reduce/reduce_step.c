@@ -10,7 +10,7 @@ static const double SLOW =
 static const double SHORTEST = 0.02; /* shortest step of the line search */
 enum { TICKS = 24 };                 /* number of steps in which the tangent is renewed, a share in each */
 
-static void renew_stiffness(palp_reduced *r) {
+static void renew_reduced_stiffness(palp_reduced *r) {
     memset(r->stiffness, 0, r->modes * r->modes * sizeof *r->stiffness);
     reduced_stiffness(r, 0, r->n_elements, r->stiffness);
     r->stiff = true;
@@ -19,7 +19,7 @@ static void renew_stiffness(palp_reduced *r) {
 
 /* Computes a share of the next tangent from the present state; the tangent is replaced when all shares are
  * there. */
-static void refresh_share(palp_reduced *r) {
+static void refresh_share_of_tangent(palp_reduced *r) {
     size_t share = (r->n_elements + TICKS - 1) / TICKS, to = r->refreshed + share;
     if (r->refreshed == 0)
         memset(r->coming, 0, r->modes * r->modes * sizeof *r->coming);
@@ -35,7 +35,7 @@ static void refresh_share(palp_reduced *r) {
 }
 
 /* Evaluates elements and tools at next; gives the residual and the norm at which it is converged. */
-static bool evaluate(palp_reduced *r, double *drive, double *residual, double *scale) {
+static bool evaluate_reduced_residual(palp_reduced *r, double *drive, double *residual, double *scale) {
     if (!reduced_evaluate(r, drive))
         return false;
     if (r->surface)
@@ -52,23 +52,23 @@ static bool evaluate(palp_reduced *r, double *drive, double *residual, double *s
 }
 
 /* Copies the kept tangent to factor and adds that of the tools. */
-static void tangent(palp_reduced *r) {
+static void assemble_total_tangent(palp_reduced *r) {
     memcpy(r->factor, r->stiffness, r->modes * r->modes * sizeof *r->factor);
     if (r->surface)
         reduced_contact_stiffness(r, r->factor);
 }
 
 /* Factors the tangent, as L D L' if it is not positive definite. */
-static palp_status factor(palp_reduced *r) {
-    tangent(r);
+static palp_status factor_total_tangent(palp_reduced *r) {
+    assemble_total_tangent(r);
     r->definite = dense_cholesky(r->modes, r->factor);
     if (r->definite)
         return PALP_OK;
-    tangent(r);
+    assemble_total_tangent(r);
     return dense_ldl(r->modes, r->factor, r->pivot, r->work) ? PALP_OK : PALP_ERR_SINGULAR;
 }
 
-static void solve_direction(palp_reduced *r) {
+static void solve_newton_direction(palp_reduced *r) {
     memcpy(r->dq, r->rhs, r->modes * sizeof *r->dq);
     memcpy(r->start, r->next.q, r->modes * sizeof *r->start);
     if (r->definite)
@@ -83,12 +83,12 @@ typedef struct progress {
 } progress;
 
 /* Moves along dq; with a kept tangent tries the full step only. */
-static bool advance(palp_reduced *r, bool kept, progress *p) {
+static bool advance_along_newton_step(palp_reduced *r, bool kept, progress *p) {
     double before = p->residual;
     for (double alpha = 1.0; alpha >= SHORTEST; alpha *= 0.5) {
         for (size_t i = 0; i < r->modes; i++)
             r->next.q[i] = r->start[i] + alpha * r->dq[i];
-        if (evaluate(r, &p->drive, &p->residual, &p->scale) &&
+        if (evaluate_reduced_residual(r, &p->drive, &p->residual, &p->scale) &&
             (p->residual <= (1.0 - 1e-4 * alpha) * before || p->residual <= p->scale))
             return true;
         if (kept)
@@ -97,24 +97,24 @@ static bool advance(palp_reduced *r, bool kept, progress *p) {
     return false;
 }
 
-static palp_status newton(palp_reduced *r, progress *p) {
+static palp_status iterate_newton_to_tolerance(palp_reduced *r, progress *p) {
     bool kept = r->stiff;
     while (p->residual > p->scale) {
         if (p->iterations++ == r->max_iterations)
             return PALP_ERR_NOT_CONVERGED;
         if (!kept)
-            renew_stiffness(r);
+            renew_reduced_stiffness(r);
         double before = p->residual;
-        palp_status status = factor(r);
+        palp_status status = factor_total_tangent(r);
         if (status)
             return status;
-        solve_direction(r);
-        if (advance(r, kept, p)) {
+        solve_newton_direction(r);
+        if (advance_along_newton_step(r, kept, p)) {
             kept = p->residual <= SLOW * before;
             continue;
         }
         memcpy(r->next.q, r->start, r->modes * sizeof *r->start);
-        if (!kept || !evaluate(r, &p->drive, &p->residual, &p->scale))
+        if (!kept || !evaluate_reduced_residual(r, &p->drive, &p->residual, &p->scale))
             return PALP_ERR_NOT_CONVERGED;
         kept = false;
     }
@@ -122,24 +122,27 @@ static palp_status newton(palp_reduced *r, progress *p) {
 }
 
 /* Solves from the last state, extrapolated if asked. */
-static palp_status solve(palp_reduced *r, double share, progress *p) {
+static palp_status solve_reduced_equilibrium(palp_reduced *r, double share, progress *p) {
     enum { ROUNDS = 5 };
     palp_status status = PALP_OK;
     for (size_t i = 0; i < r->modes; i++)
         r->next.q[i] = r->now.q[i] + share * (r->now.q[i] - r->past[i]);
     for (int i = 0; i < ROUNDS && !status; i++) {
-        status = evaluate(r, &p->drive, &p->residual, &p->scale) ? newton(r, p) : PALP_ERR_COLLAPSED;
+        status = evaluate_reduced_residual(r, &p->drive, &p->residual, &p->scale)
+                     ? iterate_newton_to_tolerance(r, p)
+                     : PALP_ERR_COLLAPSED;
         if (!status && !(r->surface && reduced_contact_refresh(r)))
             return PALP_OK;
     }
-    return status                                            ? status
-           : evaluate(r, &p->drive, &p->residual, &p->scale) ? newton(r, p)
-                                                             : PALP_ERR_COLLAPSED;
+    return status ? status
+           : evaluate_reduced_residual(r, &p->drive, &p->residual, &p->scale)
+               ? iterate_newton_to_tolerance(r, p)
+               : PALP_ERR_COLLAPSED;
 }
 
 /* How far a coordinate is outside its range in the snapshots, in widths of that range; large coordinates
  * count. */
-static double outside(const palp_reduced *r) {
+static double distance_beyond_snapshots(const palp_reduced *r) {
     double beyond = 0.0, width = 0.0;
     for (size_t i = 0; i < r->modes; i++)
         width = fmax(width, r->high[i] - r->low[i]);
@@ -151,12 +154,12 @@ static double outside(const palp_reduced *r) {
 }
 
 /* The relative bound times the largest force so far, or times that usual on such paths. */
-static double expected_error(const palp_reduced *r, double beyond) {
+static double expected_force_error(const palp_reduced *r, double beyond) {
     const palp_reduced_summary *s = &r->summary;
     return isinf(s->bound) ? INFINITY : s->bound * (1.0 + beyond) * fmax(r->peak, s->held_out_peak_N);
 }
 
-static void commit(palp_reduced *r, double dt) {
+static void commit_reduced_step(palp_reduced *r, double dt) {
     double *old = r->past;
     r->past = r->now.q;
     r->now.q = old;
@@ -166,7 +169,7 @@ static void commit(palp_reduced *r, double dt) {
     r->past_step = dt;
 }
 
-static palp_status check_step(const palp_reduced *r, double depth, double dt) {
+static palp_status check_step_arguments(const palp_reduced *r, double depth, double dt) {
     bool rate = r->material.dashpot_Ns > 0.0;
     return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
 }
@@ -176,7 +179,7 @@ palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, c
     if (!r || (n_tools > 0 && !tools))
         return PALP_ERR_ARGUMENT;
     progress p = {.iterations = 0};
-    palp_status status = check_step(r, depth_m, dt_s);
+    palp_status status = check_step_arguments(r, depth_m, dt_s);
     if (!status && n_tools > r->max_tools)
         status = PALP_ERR_ARGUMENT;
     if (!status && r->surface)
@@ -187,11 +190,11 @@ palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, c
     r->next.depth = depth_m;
     r->next.time = r->now.time + (isinf(dt_s) ? 0.0 : dt_s);
     double share = r->past_step > 0.0 && isfinite(dt_s) ? fmin(dt_s / r->past_step, 2.0) : 0.0;
-    status = solve(r, share, &p);
+    status = solve_reduced_equilibrium(r, share, &p);
     if (status && share > 0.0) {
         if (r->surface)
             reduced_contact_begin(r, n_tools, tools);
-        status = solve(r, 0.0, &p);
+        status = solve_reduced_equilibrium(r, 0.0, &p);
     }
     if (status)
         return status;
@@ -199,20 +202,20 @@ palp_status palp_reduced_step(palp_reduced *r, double depth_m, size_t n_tools, c
     size_t contacts = r->surface ? reduced_contact_commit(r, force, &squares) : 0;
     r->next.force = p.drive;
     r->peak = fmax(r->peak, sqrt(squares));
-    refresh_share(r);
+    refresh_share_of_tangent(r);
     if (info) {
-        double beyond = outside(r), largest = 0.0;
+        double beyond = distance_beyond_snapshots(r), largest = 0.0;
         for (size_t i = 0; i < r->n_elements; i++)
             largest = fmax(largest, fabs(r->strain[i]));
         *info = (palp_reduced_info){.iterations = p.iterations,
                                     .converged = true,
                                     .residual = p.scale > 0.0 ? r->tolerance * p.residual / p.scale : 0.0,
                                     .force_N = p.drive,
-                                    .force_error_N = expected_error(r, beyond),
+                                    .force_error_N = expected_force_error(r, beyond),
                                     .outside = beyond,
                                     .contacts = contacts,
                                     .beyond = palp_law_beyond(&r->material.law, largest)};
     }
-    commit(r, isfinite(dt_s) ? dt_s : 0.0);
+    commit_reduced_step(r, isfinite(dt_s) ? dt_s : 0.0);
     return PALP_OK;
 }

@@ -12,7 +12,7 @@ size_t palp_forward_parameter_count(const palp_model *model) {
     return model ? forward_effect_column(model, model->n_effects) : 0;
 }
 
-static palp_status known(const palp_model *model) {
+static palp_status are_effects_known(const palp_model *model) {
     bool fits = model->n_effects <= PALP_EFFECTS_MAX && model->material.n_arms <= PALP_ARMS_MAX;
     for (size_t i = 0; fits && i < model->n_effects; i++)
         fits = palp_effect_look_up(model->effects[i].id) != NULL;
@@ -23,7 +23,7 @@ palp_status palp_forward_get(const palp_model *model, double *parameter) {
     if (!model || !parameter)
         return PALP_ERR_ARGUMENT;
     const palp_law *law = &model->material.law;
-    if (known(model))
+    if (are_effects_known(model))
         return PALP_ERR_ARGUMENT;
     memcpy(parameter, law->coefficients, law->n * sizeof *parameter);
     parameter += law->n;
@@ -42,7 +42,7 @@ palp_status palp_forward_set(palp_model *model, const double *parameter) {
         return PALP_ERR_ARGUMENT;
     palp_material made = model->material;
     palp_effect effects[PALP_EFFECTS_MAX];
-    palp_status status = known(model);
+    palp_status status = are_effects_known(model);
     if (!status)
         status = palp_law_set_coefficients(&made.law, parameter);
     if (status)
@@ -116,34 +116,36 @@ double forward_sensor_read(forward_sensor *s, const effect_moment *moment, doubl
 
 /* ---- the run ---- */
 
-static double mean_velocity(const palp_forward_run *run, size_t i) {
+static double mean_velocity_after_sample(const palp_forward_run *run, size_t i) {
     return (run->depth_m[i + 1] - run->depth_m[i]) / (run->time_s[i + 1] - run->time_s[i]);
 }
 
 /* Value at sample i of what is before at one neighbour and after at the other, or half way to each. */
-static double between(const palp_forward_run *run, size_t i, double before, double after) {
+static double interpolate_at_sample(const palp_forward_run *run, size_t i, double before, double after) {
     const double *t = run->time_s, share = (t[i] - t[i - 1]) / (t[i + 1] - t[i - 1]);
     return before + share * (after - before);
 }
 
 /* Velocity of the parabola through sample i and its neighbours. */
-static double parabola_velocity(const palp_forward_run *run, size_t i) {
-    return between(run, i, mean_velocity(run, i - 1), mean_velocity(run, i));
+static double velocity_by_parabola(const palp_forward_run *run, size_t i) {
+    return interpolate_at_sample(run, i, mean_velocity_after_sample(run, i - 1),
+                                 mean_velocity_after_sample(run, i));
 }
 
 /* Corrects the parabola's velocity by those of both neighbours; for even samples this is the quartic through
  * five. The result stays between the velocities on both sides, so it does not overshoot where a path stops
  * abruptly. */
-static double velocity_at(const palp_forward_run *run, size_t i) {
+static double velocity_at_sample(const palp_forward_run *run, size_t i) {
     if (run->n < 2)
         return 0.0;
     if (i == 0 || i + 1 == run->n)
-        return mean_velocity(run, i ? i - 1 : 0);
-    const double come = mean_velocity(run, i - 1), go = mean_velocity(run, i),
-                 parabola = parabola_velocity(run, i);
+        return mean_velocity_after_sample(run, i ? i - 1 : 0);
+    const double come = mean_velocity_after_sample(run, i - 1), go = mean_velocity_after_sample(run, i),
+                 parabola = velocity_by_parabola(run, i);
     if (i == 1 || i + 2 == run->n)
         return parabola;
-    const double around = between(run, i, parabola_velocity(run, i - 1), parabola_velocity(run, i + 1));
+    const double around =
+        interpolate_at_sample(run, i, velocity_by_parabola(run, i - 1), velocity_by_parabola(run, i + 1));
     return fmin(fmax(come, go), fmax(fmin(come, go), (4.0 * parabola - around) / 3.0));
 }
 
@@ -155,10 +157,11 @@ effect_moment forward_moment(const palp_forward_run *run, size_t i) {
                        .since = t[i] - t[0],
                        .depth = d[i],
                        .hum_phase = run->hum_phase,
-                       .velocity = velocity_at(run, i)};
+                       .velocity = velocity_at_sample(run, i)};
     m.step = i ? t[i] - t[i - 1] : 0.0;
     if (i > 0 && i + 1 < run->n)
-        m.acceleration = 2.0 * (mean_velocity(run, i) - mean_velocity(run, i - 1)) / (t[i + 1] - t[i - 1]);
+        m.acceleration = 2.0 * (mean_velocity_after_sample(run, i) - mean_velocity_after_sample(run, i - 1)) /
+                         (t[i + 1] - t[i - 1]);
     return m;
 }
 
@@ -176,7 +179,8 @@ void forward_times(const palp_forward_run *run, double *shortest, double *whole)
         *shortest = fmin(*shortest, run->time_s[i] - run->time_s[i - 1]);
 }
 
-static double change_of(const palp_forward_run *run, const char *column, size_t i, double share) {
+static double change_of_recorded_column(const palp_forward_run *run, const char *column, size_t i,
+                                        double share) {
     for (size_t c = 0; column && c < run->n_columns; c++) {
         const double *v = run->column[c].value;
         if (strcmp(run->column[c].name, column) == 0)
@@ -185,20 +189,20 @@ static double change_of(const palp_forward_run *run, const char *column, size_t 
     return 0.0;
 }
 
-static forward_place place_at(const forward_plan *plan, const palp_forward_run *run, size_t i, double share,
-                              double velocity) {
+static forward_place recorded_place_at_share(const forward_plan *plan, const palp_forward_run *run, size_t i,
+                                             double share, double velocity) {
     const double *t = run->time_s, *d = run->depth_m;
     forward_place place = {.time = share < 1.0 ? t[i - 1] + (t[i] - t[i - 1]) * share : t[i],
                            .depth = share < 1.0 ? d[i - 1] + (d[i] - d[i - 1]) * share : d[i],
                            .velocity = velocity};
     for (size_t j = 0; j < plan->n_effects; j++)
-        place.change[j] = change_of(run, plan->effect[j].row->info.column, i, share);
+        place.change[j] = change_of_recorded_column(run, plan->effect[j].row->info.column, i, share);
     return place;
 }
 
 forward_place forward_place_at(const forward_plan *plan, const palp_forward_run *run, size_t i,
                                double share) {
-    return place_at(plan, run, i, share, forward_moment(run, i).velocity);
+    return recorded_place_at_share(plan, run, i, share, forward_moment(run, i).velocity);
 }
 
 palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
@@ -218,21 +222,23 @@ palp_status forward_check_run(const palp_forward_run *run, palp_error *error) {
 }
 
 /* Moves the plate to sample i, in as many parts as the run requires. */
-static palp_status move_to(forward_plate *plate, const palp_forward_run *run, size_t i, double velocity) {
+static palp_status move_plate_to_sample(forward_plate *plate, const palp_forward_run *run, size_t i,
+                                        double velocity) {
     const size_t parts = i && run->parts > 1 ? run->parts : 1;
     palp_status status = PALP_OK;
     for (size_t k = 1; k <= parts && !status; k++) {
-        const forward_place place = place_at(plate->plan, run, i, (double)k / (double)parts, velocity);
+        const forward_place place =
+            recorded_place_at_share(plate->plan, run, i, (double)k / (double)parts, velocity);
         status = i ? forward_plate_move(plate, &place) : forward_plate_start(plate, &place);
     }
     return status;
 }
 
-static palp_status follow(forward_plate *plate, forward_sensor *s, const palp_forward_run *run,
-                          double *force_N, double *gradient, palp_error *error) {
+static palp_status follow_recorded_path(forward_plate *plate, forward_sensor *s, const palp_forward_run *run,
+                                        double *force_N, double *gradient, palp_error *error) {
     for (size_t i = 0; i < run->n; i++) {
         effect_moment at = forward_moment(run, i);
-        palp_status status = move_to(plate, run, i, at.velocity);
+        palp_status status = move_plate_to_sample(plate, run, i, at.velocity);
         if (status)
             return palp_error_set(error, status, "at %.6g s, depth %.6g mm: %s", run->time_s[i],
                                   1e3 * run->depth_m[i], palp_status_text(status));
@@ -255,7 +261,7 @@ palp_status forward_run(const forward_plan *plan, const forward_specimen *specim
     if (!status) {
         status = forward_sensor_create(plan, specimen->n_columns, forward_fastest(run), &s);
         if (!status) {
-            status = follow(&plate, &s, run, force_N, gradient, error);
+            status = follow_recorded_path(&plate, &s, run, force_N, gradient, error);
             forward_sensor_free(&s);
         }
         forward_plate_free(&plate);

@@ -36,7 +36,7 @@ typedef struct adaptive {
 /* ---- corners ---- */
 
 /* The sample between a and b farthest from the straight line, and its distance. */
-static size_t farthest(const palp_forward_run *run, size_t a, size_t b, double *off) {
+static size_t sample_farthest_from_chord(const palp_forward_run *run, size_t a, size_t b, double *off) {
     const double *t = run->time_s, *d = run->depth_m, rate = (d[b] - d[a]) / (t[b] - t[a]);
     size_t worst = a + 1;
     *off = 0.0;
@@ -51,7 +51,7 @@ static size_t farthest(const palp_forward_run *run, size_t a, size_t b, double *
 }
 
 /* Allowed distance from a straight path: some sds of the encoder's noise, by the median second difference. */
-static double straightness(const adaptive *k) {
+static double allowed_path_deviation(const adaptive *k) {
     double *bend = k->force, low = STRAIGHT * k->reach; /* used as scratch */
     size_t n = k->run->n;
     if (n < 3)
@@ -62,9 +62,9 @@ static double straightness(const adaptive *k) {
 
 /* Extends a straight piece from each corner while a line through its first sample passes all others closely.
  * The next corner is the sample farthest from the line between its ends. */
-static void find_corners(adaptive *k) {
+static void find_path_corners(adaptive *k) {
     const palp_forward_run *run = k->run;
-    const double *t = run->time_s, *d = run->depth_m, close = straightness(k);
+    const double *t = run->time_s, *d = run->depth_m, close = allowed_path_deviation(k);
     for (size_t a = 0; a + 1 < run->n;) {
         segments_cone cone = segments_cone_open();
         bool straight = true;
@@ -74,7 +74,7 @@ static void find_corners(adaptive *k) {
             straight = segments_cone_take(&cone, t[b] - t[a], d[b] - d[a], close);
         if (straight)
             return;
-        a = b - 1 > a + 1 ? farthest(run, a, b - 1, &off) : a + 1;
+        a = b - 1 > a + 1 ? sample_farthest_from_chord(run, a, b - 1, &off) : a + 1;
         k->corner[a] = 1;
     }
 }
@@ -82,7 +82,7 @@ static void find_corners(adaptive *k) {
 /* ---- solving ---- */
 
 /* The next sample to solve after i; grade: start of the growth of steps. */
-static size_t next_sample(const adaptive *k, size_t i, size_t grade) {
+static size_t choose_next_sample(const adaptive *k, size_t i, size_t grade) {
     const double *t = k->run->time_s, *d = k->run->depth_m;
     size_t j = i + 1;
     if (k->corner[i] || k->plate.bond != 0.0)
@@ -93,7 +93,7 @@ static size_t next_sample(const adaptive *k, size_t i, size_t grade) {
     return j;
 }
 
-static void add_sample(adaptive *k, size_t i, bool end) {
+static void store_solved_sample(adaptive *k, size_t i, bool end) {
     const bool first = i == 0,
                beside = (!first && k->corner[i - 1]) || (i + 1 < k->run->n && k->corner[i + 1]);
     k->at[k->n] = i;
@@ -104,39 +104,39 @@ static void add_sample(adaptive *k, size_t i, bool end) {
     k->n++;
 }
 
-static palp_status move_to(adaptive *k, size_t i) {
+static palp_status move_plate_to_sample(adaptive *k, size_t i) {
     k->plate.abandons = i > k->gone;
     const forward_place to = forward_place_at(k->plate.plan, k->run, i, 1.0);
     return forward_plate_move(&k->plate, &to);
 }
 
-static void keep(adaptive *k) {
+static void save_plate_and_network(adaptive *k) {
     k->kept = k->plate;
     memcpy(k->plate_rows, k->plate.force_p, k->block * sizeof *k->plate_rows);
     forward_network_keep(k->network);
 }
 
-static void go_back(adaptive *k) {
+static void restore_plate_and_network(adaptive *k) {
     k->plate = k->kept;
     memcpy(k->plate.force_p, k->plate_rows, k->block * sizeof *k->plate_rows);
     forward_network_back(k->network);
 }
 
 /* Solves every sample from i + 1 to j. */
-static palp_status every_sample(adaptive *k, size_t i, size_t j) {
+static palp_status solve_every_sample(adaptive *k, size_t i, size_t j) {
     palp_status status = PALP_OK;
     k->end[k->n - 1] = 1;
     while (i < j && !status) {
-        status = move_to(k, ++i);
+        status = move_plate_to_sample(k, ++i);
         if (!status)
-            add_sample(k, i, true);
+            store_solved_sample(k, i, true);
     }
     return status;
 }
 
 /* The last straight piece into the air, if it lasts to the end of the run. The plate is then ahead of the
  * surface, which slows down. */
-static size_t find_gone(const adaptive *k) {
+static size_t find_departure_for_good(const adaptive *k) {
     size_t i = k->run->n;
     for (; i > 0; i--) {
         const forward_place place = forward_place_at(k->plate.plan, k->run, i - 1, 1.0);
@@ -151,33 +151,33 @@ static size_t find_gone(const adaptive *k) {
 }
 
 /* State of the contact: apart, pressed, or pulled on a bond. */
-static int state_of(const forward_plate *plate) {
+static int contact_state_of_plate(const forward_plate *plate) {
     return !plate->touching ? 0 : plate->bond == 0.0 ? 1 : 2;
 }
 
-static palp_status solve(adaptive *k, palp_error *error) {
+static palp_status solve_chosen_samples(adaptive *k, palp_error *error) {
     const palp_forward_run *run = k->run;
     size_t i = 0, grade = 0;
-    k->gone = find_gone(k);
+    k->gone = find_departure_for_good(k);
     const forward_place first = forward_place_at(k->plate.plan, run, 0, 1.0);
     palp_status status = forward_plate_start(&k->plate, &first);
     if (!status)
-        add_sample(k, 0, true);
+        store_solved_sample(k, 0, true);
     while (!status && i + 1 < run->n && (k->plate.touching || i < k->gone)) {
-        size_t j = next_sample(k, i, grade);
-        const int was = state_of(&k->plate);
+        size_t j = choose_next_sample(k, i, grade);
+        const int was = contact_state_of_plate(&k->plate);
         if (j > i + 1)
-            keep(k);
-        status = move_to(k, j);
-        const bool changed = state_of(&k->plate) != was;
+            save_plate_and_network(k);
+        status = move_plate_to_sample(k, j);
+        const bool changed = contact_state_of_plate(&k->plate) != was;
         if (j > i + 1 && (status || changed)) {
-            go_back(k);
-            status = every_sample(k, i, j);
+            restore_plate_and_network(k);
+            status = solve_every_sample(k, i, j);
             grade = j;
         } else if (!status) {
             if (changed)
                 k->end[k->n - 1] = 1;
-            add_sample(k, j, changed);
+            store_solved_sample(k, j, changed);
             grade = k->corner[j] || changed ? j : grade;
         }
         i = j;
@@ -191,7 +191,7 @@ static palp_status solve(adaptive *k, palp_error *error) {
 /* ---- interpolation ---- */
 
 /* The solved samples for interpolation in the interval from q on, and their weights at sample i. */
-static size_t stencil(const adaptive *k, size_t q, size_t i, size_t *first, double weight[4]) {
+static size_t interpolation_stencil(const adaptive *k, size_t q, size_t i, size_t *first, double weight[4]) {
     const double *t = k->run->time_s;
     size_t a = k->end[q] ? q : q - 1, b = k->end[q + 1] || q + 2 == k->n ? q + 1 : q + 2;
     for (size_t u = a; u <= b; u++) {
@@ -206,7 +206,7 @@ static size_t stencil(const adaptive *k, size_t q, size_t i, size_t *first, doub
 }
 
 /* Force on the plate at sample i and its derivatives; q is the last solved sample at or before i. */
-static double plate_force(const adaptive *k, size_t q, size_t i, double *force_p) {
+static double interpolate_plate_force(const adaptive *k, size_t q, size_t i, double *force_p) {
     double weight[4], force = 0.0, depth = 0.0;
     size_t first, n = k->n_columns;
     memset(force_p, 0, n * sizeof *force_p);
@@ -214,7 +214,7 @@ static double plate_force(const adaptive *k, size_t q, size_t i, double *force_p
         memcpy(force_p, k->row + q * n, n * sizeof *force_p);
     if (k->at[q] == i || q + 1 == k->n) /* at the last one the plate has left finally */
         return k->at[q] == i ? k->force[q] : 0.0;
-    size_t count = stencil(k, q, i, &first, weight);
+    size_t count = interpolation_stencil(k, q, i, &first, weight);
     for (size_t u = 0; u < count; u++) {
         const double *row = k->row + (first + u) * n;
         force += weight[u] * k->force[first + u];
@@ -225,7 +225,8 @@ static double plate_force(const adaptive *k, size_t q, size_t i, double *force_p
     return force + k->slope[q + 1] * (k->run->depth_m[i] - depth);
 }
 
-static palp_status read_all(const adaptive *k, const forward_plan *plan, double *force_N, double *gradient) {
+static palp_status read_sensor_at_all_samples(const adaptive *k, const forward_plan *plan, double *force_N,
+                                              double *gradient) {
     forward_sensor s;
     palp_status status = forward_sensor_create(plan, k->n_columns, forward_fastest(k->run), &s);
     if (status)
@@ -234,7 +235,7 @@ static palp_status read_all(const adaptive *k, const forward_plan *plan, double 
         effect_moment at = forward_moment(k->run, i);
         while (q + 1 < k->n && k->at[q + 1] <= i)
             q++;
-        double force = plate_force(k, q, i, s.force_p);
+        double force = interpolate_plate_force(k, q, i, s.force_p);
         force_N[i] = forward_sensor_read(&s, &at, force);
         for (size_t c = 0; c < k->n_columns; c++)
             gradient[c * k->run->n + i] = s.force_p[c];
@@ -245,7 +246,7 @@ static palp_status read_all(const adaptive *k, const forward_plan *plan, double 
 
 /* ---- the run ---- */
 
-static palp_status allocate(adaptive *k) {
+static palp_status allocate_adaptive_run(adaptive *k) {
     const size_t n = k->run->n;
     k->at = malloc((n + 1) * sizeof *k->at);
     k->end = calloc(2 * n + 1, 1);
@@ -274,14 +275,14 @@ palp_status forward_run_adaptive(const forward_plan *plan, forward_network *netw
         return status;
     status = forward_plate_create(plan, &specimen, &k.plate);
     if (!status)
-        status = allocate(&k);
+        status = allocate_adaptive_run(&k);
     if (!status) {
         k.stride = (plan->damaged ? REACH_DAMAGED : REACH) * k.reach;
-        find_corners(&k);
-        status = solve(&k, error);
+        find_path_corners(&k);
+        status = solve_chosen_samples(&k, error);
     }
     if (!status)
-        status = read_all(&k, plan, force_N, gradient);
+        status = read_sensor_at_all_samples(&k, plan, force_N, gradient);
     free(k.at);
     free(k.end);
     free(k.force);

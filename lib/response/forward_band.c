@@ -6,7 +6,8 @@
 #include <stdlib.h>
 
 /* Variance of the force at sample i: g' C g with its derivatives by the first m parameters, columns of n. */
-static double variance_at(const double *gradient, const double *covariance, size_t n, size_t m, size_t i) {
+static double force_variance_at_sample(const double *gradient, const double *covariance, size_t n, size_t m,
+                                       size_t i) {
     double sum = 0.0;
     for (size_t a = 0; a < m; a++)
         for (size_t b = 0; b < m; b++)
@@ -27,7 +28,7 @@ palp_status palp_forward_band(const palp_model *model, const palp_forward_run *r
                              ? forward_network_force(model, run, force_N, gradient, error)
                              : palp_forward_force(model, run, force_N, gradient, error);
     for (size_t i = 0; i < run->n && !status; i++)
-        sd_N[i] = sqrt(variance_at(gradient, covariance, run->n, m, i));
+        sd_N[i] = sqrt(force_variance_at_sample(gradient, covariance, run->n, m, i));
     free(gradient);
     return status;
 }

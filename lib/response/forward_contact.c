@@ -25,7 +25,7 @@ typedef struct equation {
 } equation;
 
 /* Equation of a plate on a compliant frame: strain - forward_held(depth, force(strain)). */
-static palp_status frame(void *user, double strain, double *value, double *slope) {
+static palp_status frame_deflection_residual(void *user, double strain, double *value, double *slope) {
     equation *q = user;
     palp_status status = forward_ask(q->plate, strain, q->share, true, &q->force, &q->slope);
     if (status)
@@ -37,20 +37,20 @@ static palp_status frame(void *user, double strain, double *value, double *slope
 }
 
 /* Moves the plate to the end of the step with the surface on it; gives strain and force there. */
-static palp_status press(forward_plate *p, double *strain, double *force, double *slope) {
+static palp_status press_to_step_end(forward_plate *p, double *strain, double *force, double *slope) {
     forward_surface s = forward_held(p, 1.0, p->force);
     *strain = s.strain;
     *slope = 0.0; /* not needed */
     if (!p->plan->gives_way)
         return forward_ask(p, *strain, 1.0, true, force, NULL);
     equation q = {.plate = p, .share = 1.0};
-    palp_status status = forward_solve(frame, &q, STRAIN_LOW, STRAIN_HIGH, strain);
+    palp_status status = forward_solve(frame_deflection_residual, &q, STRAIN_LOW, STRAIN_HIGH, strain);
     *force = q.force;
     *slope = q.slope;
     return status;
 }
 
-static void take_press(forward_plate *p, double strain, double force, double slope) {
+static void commit_pressed_state(forward_plate *p, double strain, double force, double slope) {
     const size_t n = p->specimen.n_columns;
     if (n) {
         double *strain_p = p->work + n, *force_p = p->work + 2 * n, force_dt;
@@ -72,7 +72,7 @@ static void take_press(forward_plate *p, double strain, double force, double slo
 
 /* For a surface on a plate that pulls with the full adhesion: -(force + adhesion), which increases with the
  * share. */
-static palp_status parting(void *user, double share, double *value, double *slope) {
+static palp_status pull_beyond_adhesion(void *user, double share, double *value, double *slope) {
     equation *q = user;
     const forward_plate *p = q->plate;
     double next, little = 1e-7;
@@ -93,7 +93,8 @@ static palp_status parting(void *user, double share, double *value, double *slop
 
 /* The plate lets go at a force of minus the adhesion, an effect's parameter. Adds its contribution to the
  * derivatives of the strain there and of the force beyond it. */
-static void add_pull(const forward_plate *p, const forward_surface *s, double *strain_p, double *force_p) {
+static void add_pull_derivatives(const forward_plate *p, const forward_surface *s, double *strain_p,
+                                 double *force_p) {
     effect_bond bond;
     const size_t column = forward_bond_at(p, 0.0, &bond);
     for (size_t k = 0; k < PALP_EFFECT_PARAMETERS; k++)
@@ -104,25 +105,25 @@ static void add_pull(const forward_plate *p, const forward_surface *s, double *s
 }
 
 /* The share of the step at which the plate lets go; the present one if the pull is already too large. */
-static palp_status find_parting(equation *q, double *share) {
+static palp_status find_share_of_parting(equation *q, double *share) {
     const forward_plate *p = q->plate;
     double pull, slope, start = fmin(1.0, p->done + AT_ONCE);
-    palp_status status = parting(q, start, &pull, &slope);
+    palp_status status = pull_beyond_adhesion(q, start, &pull, &slope);
     *share = start;
     if (status || pull >= 0.0 || start == 1.0)
         return status;
     *share = 0.5 * (start + 1.0);
-    status = forward_solve(parting, q, start, 1.0, share);
+    status = forward_solve(pull_beyond_adhesion, q, start, 1.0, share);
     return status == PALP_ERR_NOT_CONVERGED ? PALP_OK
                                             : status; /* not converged: it lets go at the very end */
 }
 
-static palp_status part(forward_plate *p) {
+static palp_status part_plate_from_surface(forward_plate *p) {
     const size_t n = p->specimen.n_columns;
     double share, step = forward_step_time(p), force_dt, *share_p = p->work + n, *strain_p = p->work + 2 * n,
                   *force_p = p->work + 3 * n;
     equation q = {.plate = p};
-    palp_status status = find_parting(&q, &share);
+    palp_status status = find_share_of_parting(&q, &share);
     if (status)
         return status;
     forward_surface s = forward_held(p, share, -p->plan->adhesion);
@@ -130,7 +131,7 @@ static palp_status part(forward_plate *p) {
         double along = forward_along_step(p, &s);
         forward_own_slopes(p, &s, strain_p);
         forward_hold(p, q.force, force_p, &force_dt);
-        add_pull(p, &s, strain_p, force_p);
+        add_pull_derivatives(p, &s, strain_p, force_p);
         double turn = q.slope * along + force_dt * step;
         for (size_t k = 0; k < n; k++) {
             double direct = force_p[k] + q.slope * strain_p[k] - force_dt * p->done_p[k] * step;
@@ -145,7 +146,7 @@ static palp_status part(forward_plate *p) {
 
 /* ---- moving freely, and met again ---- */
 
-static palp_status free_surface(void *user, double strain, double *value, double *slope) {
+static palp_status free_surface_residual(void *user, double strain, double *value, double *slope) {
     equation *q = user;
     palp_status status = forward_ask(q->plate, strain, q->share, false, &q->force, &q->slope);
     *value = q->force;
@@ -154,7 +155,7 @@ static palp_status free_surface(void *user, double strain, double *value, double
 }
 
 /* Strain of the plate less that of the surface, which is linear between the two ends. */
-static palp_status meeting(void *user, double share, double *value, double *slope) {
+static palp_status gap_of_plate_and_surface(void *user, double share, double *value, double *slope) {
     const equation *q = user;
     const forward_plate *p = q->plate;
     double rate = (q->rest[1] - q->rest[0]) / (q->ends[1] - q->ends[0]);
@@ -165,7 +166,7 @@ static palp_status meeting(void *user, double share, double *value, double *slop
 }
 
 /* Share of the step to which a free surface is followed next. */
-static double next_share(const forward_plate *p) {
+static double choose_next_free_share(const forward_plate *p) {
     double step = forward_step_time(p), now = p->time[0] + p->done * step;
     if (p->fresh || p->specimen.shortest == 0.0)
         return 1.0;
@@ -175,8 +176,8 @@ static double next_share(const forward_plate *p) {
 }
 
 /* The plate meets the surface between done and end, at which the free surface would have strain rest. */
-static palp_status meet(forward_plate *p, double end, double rest, const double *rest_p,
-                        const double *end_p) {
+static palp_status meet_free_surface(forward_plate *p, double end, double rest, const double *rest_p,
+                                     const double *end_p) {
     const size_t n = p->specimen.n_columns;
     double share = p->done, force, whole = end - p->done, *share_p = p->work + n, *strain_p = p->work + 2 * n;
     equation q = {.plate = p, .rest = {p->strain, rest}, .ends = {p->done, end}};
@@ -184,7 +185,7 @@ static palp_status meet(forward_plate *p, double end, double rest, const double 
     p->fresh = false;
     if (forward_held(p, share, 0.0).strain >= p->strain)
         return PALP_OK; /* already in contact */
-    palp_status status = forward_solve(meeting, &q, p->done, end, &share);
+    palp_status status = forward_solve(gap_of_plate_and_surface, &q, p->done, end, &share);
     if (status)
         return status;
     forward_surface s = forward_held(p, share, 0.0);
@@ -205,14 +206,14 @@ static palp_status meet(forward_plate *p, double end, double rest, const double 
 }
 
 /* Follows the free surface for one step, or until the plate meets it. */
-static palp_status let_be(forward_plate *p) {
+static palp_status follow_free_surface(forward_plate *p) {
     const size_t n = p->specimen.n_columns;
-    double end = next_share(p), rest = p->strain, force = 0.0, slope = 0.0, force_dt;
+    double end = choose_next_free_share(p), rest = p->strain, force = 0.0, slope = 0.0, force_dt;
     double *rest_p = p->work + 3 * n, *end_p = end < 1.0 ? p->done_p : NULL;
     equation q = {.plate = p, .share = end};
     memcpy(rest_p, p->strain_p, n * sizeof *rest_p);
     if (!p->fresh) {
-        palp_status status = forward_solve(free_surface, &q, STRAIN_LOW, STRAIN_HIGH, &rest);
+        palp_status status = forward_solve(free_surface_residual, &q, STRAIN_LOW, STRAIN_HIGH, &rest);
         if (status)
             return status;
         force = q.force;
@@ -226,7 +227,7 @@ static palp_status let_be(forward_plate *p) {
         }
     }
     if (forward_held(p, end, 0.0).strain > rest)
-        return meet(p, end, rest, rest_p, end_p);
+        return meet_free_surface(p, end, rest, rest_p, end_p);
     if (p->fresh)
         p->done = 1.0;
     else
@@ -239,7 +240,7 @@ static palp_status let_be(forward_plate *p) {
 /* ---- the plate's motion ---- */
 
 /* The end of the last step becomes the start of this one. */
-static void next_step(forward_plate *p, const forward_place *to) {
+static void begin_step_to_place(forward_plate *p, const forward_place *to) {
     p->time[0] = p->time[1];
     p->depth[0] = p->depth[1];
     memcpy(p->change[0], p->change[1], sizeof p->change[0]);
@@ -250,8 +251,8 @@ static void next_step(forward_plate *p, const forward_place *to) {
 
 palp_status forward_plate_start(forward_plate *p, const forward_place *place) {
     p->fresh = true;
-    next_step(p, place);
-    next_step(p, place);
+    begin_step_to_place(p, place);
+    begin_step_to_place(p, place);
     p->strain = p->specimen.rest;
     if (p->specimen.rest_p)
         memcpy(p->strain_p, p->specimen.rest_p, p->specimen.n_columns * sizeof *p->strain_p);
@@ -260,16 +261,16 @@ palp_status forward_plate_start(forward_plate *p, const forward_place *place) {
     double strain, force, slope;
     p->fresh = false;
     p->touching = true;
-    palp_status status = press(p, &strain, &force, &slope);
+    palp_status status = press_to_step_end(p, &strain, &force, &slope);
     if (!status)
-        take_press(p, strain, force, slope);
+        commit_pressed_state(p, strain, force, slope);
     return status;
 }
 
 palp_status forward_plate_move(forward_plate *p, const forward_place *to) {
     const size_t n = p->specimen.n_columns;
     int events = 0;
-    next_step(p, to);
+    begin_step_to_place(p, to);
     p->velocity = to->velocity;
     p->done = 0.0;
     memset(p->done_p, 0, n * sizeof *p->done_p);
@@ -282,15 +283,15 @@ palp_status forward_plate_move(forward_plate *p, const forward_place *to) {
             return PALP_OK;
         }
         if (!p->touching) {
-            status = let_be(p);
+            status = follow_free_surface(p);
         } else {
-            status = press(p, &strain, &force, &slope);
+            status = press_to_step_end(p, &strain, &force, &slope);
             if (!status && force < 0.0 && p->plan->reaches && events++ < EVENTS / 2)
                 status = forward_pull(p, strain);
             else if (!status && force < -p->plan->adhesion && events++ < EVENTS)
-                status = part(p);
+                status = part_plate_from_surface(p);
             else if (!status)
-                take_press(p, strain, force, slope);
+                commit_pressed_state(p, strain, force, slope);
         }
         if (status)
             return status;
@@ -310,7 +311,7 @@ double forward_plate_stiffness(const forward_plate *p, double slope) {
 
 bool forward_plate_clear(const forward_plate *p, const forward_place *place) {
     forward_plate there = *p;
-    next_step(&there, place);
+    begin_step_to_place(&there, place);
     return !(forward_held(&there, 1.0, 0.0).strain > 0.0);
 }
 

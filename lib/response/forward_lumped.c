@@ -53,7 +53,7 @@ struct forward_lumped {
 
 /* ---- values ---- */
 
-static void prepare(forward_lumped *l, double dt) {
+static void prepare_step_of_length(forward_lumped *l, double dt) {
     modes *m = &l->modes;
     if (!l->prepared || dt != l->step.dt)
         l->step = *element_steps_of(&l->plan->material, dt, &l->steps);
@@ -67,7 +67,7 @@ static void prepare(forward_lumped *l, double dt) {
 }
 
 /* Force of the modes after the trial, and its derivative by strain. */
-static double advance_modes(forward_lumped *l, double rise, double *slope) {
+static double advance_relaxation_modes(forward_lumped *l, double rise, double *slope) {
     const modes *m = &l->modes;
     const double *old = l->now.unit;
     double *unit = l->next.unit, force = 0.0;
@@ -79,20 +79,20 @@ static double advance_modes(forward_lumped *l, double rise, double *slope) {
     return force;
 }
 
-static palp_status attempt(void *self, const forward_move *move, double *force, double *slope) {
+static palp_status try_lumped_strain(void *self, const forward_move *move, double *force, double *slope) {
     forward_lumped *l = self;
     const palp_material *m = &l->plan->material;
     double by_strain, rise = move->strain - l->now.strain;
     if (!isfinite(move->strain) || !(move->dt >= 0.0) || (move->dt == 0.0 && m->dashpot_Ns > 0.0))
         return PALP_ERR_ARGUMENT;
-    prepare(l, move->dt);
+    prepare_step_of_length(l, move->dt);
     element_history old = {&l->now.strain, &l->now.elastic, l->now.arm, &l->now.peak, 1};
     element_history new = {&l->next.strain, &l->next.elastic, l->next.arm, &l->next.peak, 1};
     l->step.rate_factor = forward_rate_factor(l->plan, move->rate, l->of_effect);
     l->step.damage = l->plan->damaged ? &l->plan->damage : NULL;
     element_trial(m, &l->step, 1, &move->strain, &old, &new, force, &by_strain);
     if (l->modes.n)
-        *force += advance_modes(l, rise, &by_strain);
+        *force += advance_relaxation_modes(l, rise, &by_strain);
     if (slope)
         *slope = by_strain;
     return PALP_OK;
@@ -100,7 +100,7 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
 
 /* ---- derivatives ---- */
 
-static void find_spring(forward_lumped *l) {
+static void evaluate_trial_spring(forward_lumped *l) {
     const palp_law *law = &l->plan->material.law;
     double e = l->next.strain;
     if (l->plan->damaged) {
@@ -138,7 +138,7 @@ void forward_spring_own(const forward_plan *plan, const element_damaged *s, doub
     }
 }
 
-static void arm_partials(const forward_lumped *l, size_t j, double partial[ELEMENT_PARTIALS]) {
+static void partial_derivatives_of_arm(const forward_lumped *l, size_t j, double partial[ELEMENT_PARTIALS]) {
     element_arm_partials(&l->plan->material, &l->step, j, 1, &l->next.strain, &l->now.strain, &l->now.arm[j],
                          partial);
 }
@@ -156,12 +156,12 @@ void forward_quasi_linear_own(const palp_law *law, const double e[2], double dri
 }
 
 /* Derivatives of arm j's force at the end of the trial, into row, which may hold the old ones. */
-static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p, const double *dt_p,
-                       double *row) {
+static void propagate_arm_slopes(const forward_lumped *l, size_t j, const double *strain_p,
+                                 const double *dt_p, double *row) {
     const double *old = l->d.arm + j * l->n_columns, *strain_old = l->d.strain;
     double p[ELEMENT_PARTIALS];
     forward_arm_slope own[FORWARD_ARM_SLOPES];
-    arm_partials(l, j, p);
+    partial_derivatives_of_arm(l, j, p);
     for (size_t k = 0; k < l->n_columns; k++)
         row[k] = p[ELEMENT_ARM_OLD] * old[k] + p[ELEMENT_STRAIN] * strain_p[k] +
                  p[ELEMENT_STRAIN_OLD] * strain_old[k];
@@ -180,15 +180,15 @@ static void arm_slopes(const forward_lumped *l, size_t j, const double *strain_p
 }
 
 /* d unit / d (rate dt) of the trial. */
-static double mode_turn(const forward_lumped *l, size_t i) {
+static double mode_derivative_by_rate(const forward_lumped *l, size_t i) {
     const modes *m = &l->modes;
     double turn = element_mean_slope(m->rate[i] * l->step.dt, m->decay[i], m->mean[i]);
     return turn * (l->next.strain - l->now.strain) - m->decay[i] * l->now.unit[i];
 }
 
 /* Derivatives of a mode's force at the end of the trial. */
-static void mode_slopes(const forward_lumped *l, const mode_group *g, size_t i, const double *strain_p,
-                        const double *dt_p, double *row) {
+static void propagate_mode_slopes(const forward_lumped *l, const mode_group *g, size_t i,
+                                  const double *strain_p, const double *dt_p, double *row) {
     const modes *m = &l->modes;
     const double *old = l->d.unit + i * l->n_columns, *strain_old = l->d.strain;
     double decay = m->decay[i], mean = m->mean[i];
@@ -196,27 +196,27 @@ static void mode_slopes(const forward_lumped *l, const mode_group *g, size_t i, 
         row[k] = decay * old[k] + mean * (strain_p[k] - strain_old[k]);
     if (!m->timed[i] && !dt_p)
         return;
-    double by_x = mode_turn(l, i);
+    double by_x = mode_derivative_by_rate(l, i);
     for (size_t k = 0; m->timed[i] && k < g->n_values; k++)
         row[g->column + k] += by_x * l->step.dt * m->rate_by[k][i];
     for (size_t k = 0; dt_p && k < l->n_columns; k++)
         row[k] += by_x * m->rate[i] * dt_p[k];
 }
 
-static bool all_zero(size_t n, const double *values) {
+static bool are_all_values_zero(size_t n, const double *values) {
     for (size_t k = 0; k < n; k++)
         if (values[k] != 0.0)
             return false;
     return true;
 }
 
-static void add_row(size_t n, double factor, const double *row, double *force_p) {
+static void add_scaled_row(size_t n, double factor, const double *row, double *force_p) {
     for (size_t k = 0; k < n; k++)
         force_p[k] += factor * row[k];
 }
 
-static void group_slopes(forward_lumped *l, const mode_group *g, const double *strain_p, const double *dt_p,
-                         double *force_p, bool keep) {
+static void propagate_group_slopes(forward_lumped *l, const mode_group *g, const double *strain_p,
+                                   const double *dt_p, double *force_p, bool keep) {
     const modes *m = &l->modes;
     for (size_t k = 0; k < g->n_values; k++)
         for (size_t i = g->first; i < g->end; i++)
@@ -225,21 +225,21 @@ static void group_slopes(forward_lumped *l, const mode_group *g, const double *s
         if (l->still && !m->timed[i])
             continue;
         double *row = keep ? l->d.unit + i * l->n_columns : l->d.row;
-        mode_slopes(l, g, i, strain_p, dt_p, row);
-        add_row(l->n_columns, m->weight[i], row, force_p);
+        propagate_mode_slopes(l, g, i, strain_p, dt_p, row);
+        add_scaled_row(l->n_columns, m->weight[i], row, force_p);
     }
 }
 
 /* Derivatives of the trial's force; with keep, those of the state become the trial's. */
-static void propagate(forward_lumped *l, const double *strain_p, const double *dt_p, double *force_p,
-                      bool keep) {
+static void propagate_force_slopes(forward_lumped *l, const double *strain_p, const double *dt_p,
+                                   double *force_p, bool keep) {
     const size_t n = l->n_columns;
     const slopes *d = &l->d;
-    find_spring(l);
+    evaluate_trial_spring(l);
     double by_strain = l->step.rate_factor * l->spring.by_strain,
            by_peak = l->step.rate_factor * l->spring.by_peak;
     double dashpot = l->step.dashpot, rise = l->next.strain - l->now.strain;
-    l->still = l->still && !dt_p && all_zero(n, strain_p);
+    l->still = l->still && !dt_p && are_all_values_zero(n, strain_p);
     for (size_t k = 0; k < n; k++)
         force_p[k] = by_strain * strain_p[k] + by_peak * d->peak[k] + dashpot * (strain_p[k] - d->strain[k]);
     for (size_t k = 0; k < n && dashpot > 0.0 && dt_p; k++)
@@ -247,17 +247,17 @@ static void propagate(forward_lumped *l, const double *strain_p, const double *d
     forward_spring_own(l->plan, &l->spring, l->now.peak, l->step.rate_factor, l->of_effect, force_p);
     for (size_t j = 0; j < l->plan->material.n_arms; j++) {
         double *row = keep ? d->arm + j * n : d->row;
-        arm_slopes(l, j, strain_p, dt_p, row);
-        add_row(n, 1.0, row, force_p);
+        propagate_arm_slopes(l, j, strain_p, dt_p, row);
+        add_scaled_row(n, 1.0, row, force_p);
     }
     for (size_t g = 0; g < l->n_groups; g++)
-        group_slopes(l, &l->group[g], strain_p, dt_p, force_p, keep);
+        propagate_group_slopes(l, &l->group[g], strain_p, dt_p, force_p, keep);
 }
 
-static void hold(void *self, double *force_p, double *force_dt) {
+static void slopes_at_held_strain(void *self, double *force_p, double *force_dt) {
     forward_lumped *l = self;
     bool still = l->still;
-    propagate(l, l->d.zero, NULL, force_p, false);
+    propagate_force_slopes(l, l->d.zero, NULL, force_p, false);
     l->still = still;
     *force_dt = 0.0;
     if (l->step.dt == 0.0)
@@ -266,18 +266,18 @@ static void hold(void *self, double *force_p, double *force_dt) {
     *force_dt = -l->step.dashpot * rise / l->step.dt;
     for (size_t j = 0; j < l->plan->material.n_arms; j++) {
         double p[ELEMENT_PARTIALS];
-        arm_partials(l, j, p);
+        partial_derivatives_of_arm(l, j, p);
         *force_dt -= p[ELEMENT_LOG_TIME] / l->step.dt;
     }
     for (size_t i = 0; i < l->modes.n; i++)
-        *force_dt += l->modes.weight[i] * l->modes.rate[i] * mode_turn(l, i);
+        *force_dt += l->modes.weight[i] * l->modes.rate[i] * mode_derivative_by_rate(l, i);
 }
 
-static void commit(void *self, const double *strain_p, const double *dt_p, double *force_p) {
+static void commit_lumped_strain(void *self, const double *strain_p, const double *dt_p, double *force_p) {
     forward_lumped *l = self;
     if (l->n_columns > 0) {
         const double *to = strain_p ? strain_p : l->d.zero;
-        propagate(l, to, dt_p, force_p, true);
+        propagate_force_slopes(l, to, dt_p, force_p, true);
         bool deeper = l->plan->damaged && fabs(l->next.strain) >= l->now.peak;
         for (size_t k = 0; deeper && k < l->n_columns; k++)
             l->d.peak[k] = copysign(1.0, l->next.strain) * to[k];
@@ -292,7 +292,7 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
  * to 1e-4. */
 static const double SLOWER = 0.07, FASTER = 70.0;
 
-static void add_modes(forward_lumped *l, const forward_effect *f, double shortest, double whole) {
+static void add_modes_of_effect(forward_lumped *l, const forward_effect *f, double shortest, double whole) {
     effect_mode list[EFFECT_MODES_MAX];
     modes *m = &l->modes;
     const effect_range range = {EFFECT_MODES_MAX, SLOWER / whole, FASTER / shortest};
@@ -302,7 +302,7 @@ static void add_modes(forward_lumped *l, const forward_effect *f, double shortes
     for (size_t i = 0; i < n; i++, m->n++) {
         m->weight[m->n] = list[i].weight;
         m->rate[m->n] = list[i].rate;
-        m->timed[m->n] = !all_zero(PALP_EFFECT_PARAMETERS, list[i].rate_by);
+        m->timed[m->n] = !are_all_values_zero(PALP_EFFECT_PARAMETERS, list[i].rate_by);
         for (size_t k = 0; k < PALP_EFFECT_PARAMETERS; k++) {
             m->weight_by[k][m->n] = list[i].weight_by[k];
             m->rate_by[k][m->n] = list[i].rate_by[k];
@@ -310,7 +310,7 @@ static void add_modes(forward_lumped *l, const forward_effect *f, double shortes
     }
 }
 
-static bool make_slopes(forward_lumped *l) {
+static bool allocate_slope_rows(forward_lumped *l) {
     const size_t n = l->n_columns, n_arms = l->plan->material.n_arms;
     if (n == 0)
         return true;
@@ -336,8 +336,8 @@ palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, do
     l->still = true;
     for (size_t i = 0; i < plan->n_effects; i++)
         if (plan->effect[i].row->spectrum && whole > 0.0)
-            add_modes(l, &plan->effect[i], shortest, whole);
-    if (!make_slopes(l)) {
+            add_modes_of_effect(l, &plan->effect[i], shortest, whole);
+    if (!allocate_slope_rows(l)) {
         free(l);
         return PALP_ERR_NO_MEMORY;
     }
@@ -353,7 +353,7 @@ void forward_lumped_free(forward_lumped *l) {
 }
 
 /* Of arms and modes that are on; those that are off change nothing, not even a step. */
-static double shortest_time(const forward_lumped *l) {
+static double shortest_relaxation_time(const forward_lumped *l) {
     double shortest = forward_shortest_arm(l->plan);
     for (size_t i = 0; i < l->modes.n; i++)
         if (l->modes.weight[i] > 0.0)
@@ -363,11 +363,11 @@ static double shortest_time(const forward_lumped *l) {
 
 forward_specimen forward_lumped_specimen(forward_lumped *l) {
     return (forward_specimen){.self = l,
-                              .attempt = attempt,
-                              .hold = hold,
-                              .commit = commit,
+                              .attempt = try_lumped_strain,
+                              .hold = slopes_at_held_strain,
+                              .commit = commit_lumped_strain,
                               .height = l->plan->model->height_m,
-                              .shortest = shortest_time(l),
+                              .shortest = shortest_relaxation_time(l),
                               .n_columns = l->n_columns,
                               .rest = l->now.strain,
                               .rest_p = l->n_columns ? l->d.strain : NULL};

@@ -24,7 +24,7 @@ struct forward_network {
     forward_slopes *slopes; /* NULL without derivatives */
 };
 
-static palp_status attempt(void *self, const forward_move *move, double *force, double *slope) {
+static palp_status try_network_strain(void *self, const forward_move *move, double *force, double *slope) {
     forward_network *p = self;
     palp_step_info info = {0};
     const double height = p->net->height;
@@ -43,22 +43,22 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
 }
 
 /* Computed on demand: most trials need their force only. */
-static void find_slopes(forward_network *p) {
+static void find_slopes_once_per_trial(forward_network *p) {
     if (!p->found)
         forward_slopes_find(p->slopes, p->weight, p->slope / p->net->height, p->of_effect);
     p->found = true;
 }
 
-static void hold(void *self, double *force_p, double *force_dt) {
+static void slopes_at_held_strain(void *self, double *force_p, double *force_dt) {
     forward_network *p = self;
-    find_slopes(p);
+    find_slopes_once_per_trial(p);
     forward_slopes_hold(p->slopes, force_p, force_dt);
 }
 
-static void commit(void *self, const double *strain_p, const double *dt_p, double *force_p) {
+static void commit_network_strain(void *self, const double *strain_p, const double *dt_p, double *force_p) {
     forward_network *p = self;
     if (p->slopes) {
-        find_slopes(p);
+        find_slopes_once_per_trial(p);
         forward_slopes_advance(p->slopes, strain_p, dt_p, force_p);
     }
     p->committed = p->slope;
@@ -70,7 +70,7 @@ static void commit(void *self, const double *strain_p, const double *dt_p, doubl
     palp_network_commit(p->net);
 }
 
-static void copy_peak(forward_network *p, size_t from, size_t to) {
+static void copy_peak_strain(forward_network *p, size_t from, size_t to) {
     p->peak[to] = p->peak[from];
     if (p->slopes)
         memcpy(p->peak_p[to], p->peak_p[from], p->plan->n_columns * sizeof *p->peak_p[to]);
@@ -78,14 +78,14 @@ static void copy_peak(forward_network *p, size_t from, size_t to) {
 
 void forward_network_keep(forward_network *p) {
     network_mark_save(p->net);
-    copy_peak(p, 0, 1);
+    copy_peak_strain(p, 0, 1);
     if (p->slopes)
         forward_slopes_keep(p->slopes, false);
 }
 
 void forward_network_back(forward_network *p) {
     network_mark_restore(p->net);
-    copy_peak(p, 1, 0);
+    copy_peak_strain(p, 1, 0);
     if (p->slopes)
         forward_slopes_keep(p->slopes, true);
 }
@@ -96,8 +96,8 @@ double forward_network_slope(const forward_network *p) {
 
 /* An effect's relaxation modulus as arms of the elements: as many as fit, over the times that the steps
  * resolve. */
-static palp_status add_spectrum(forward_network *f, forward_plan *plan, const forward_effect *from,
-                                size_t room, double shortest, double whole, palp_error *error) {
+static palp_status add_spectrum_as_arms(forward_network *f, forward_plan *plan, const forward_effect *from,
+                                        size_t room, double shortest, double whole, palp_error *error) {
     if ((effect_is_off(from->effect) && !f->sloped) || whole == 0.0)
         return PALP_OK;
     if (room < EFFECT_MODES_MIN)
@@ -119,27 +119,28 @@ static palp_status add_spectrum(forward_network *f, forward_plan *plan, const fo
     return PALP_OK;
 }
 
-static palp_status add_spectra(forward_network *f, forward_plan *plan, double shortest, double whole,
-                               palp_error *error) {
+static palp_status add_spectra_of_effects(forward_network *f, forward_plan *plan, double shortest,
+                                          double whole, palp_error *error) {
     const size_t room = PALP_ARMS_MAX - plan->material.n_arms;
     palp_status status = PALP_OK;
     for (size_t i = 0; i < plan->n_effects && !status; i++)
         if (plan->effect[i].row->spectrum)
-            status = add_spectrum(f, plan, &plan->effect[i], room / plan->n_spectra, shortest, whole, error);
+            status = add_spectrum_as_arms(f, plan, &plan->effect[i], room / plan->n_spectra, shortest, whole,
+                                          error);
     return status;
 }
 
 /* The effect that lets nodes at the plates slide, or NULL: they are fixed. The derivatives of full support
  * exist only as a limit. */
-static const forward_effect *slip_of(const forward_network *f) {
+static const forward_effect *find_plate_slip_effect(const forward_network *f) {
     for (size_t i = 0; i < f->plan->n_effects; i++)
         if (f->plan->effect[i].row->foundation && (f->sloped || !effect_is_off(f->plan->effect[i].effect)))
             return &f->plan->effect[i];
     return NULL;
 }
 
-static palp_status set_foundation(const forward_network *f) {
-    const forward_effect *slip = slip_of(f);
+static palp_status set_slip_foundation(const forward_network *f) {
+    const forward_effect *slip = find_plate_slip_effect(f);
     effect_number foundation = {.value = 0.0};
     if (!slip)
         return PALP_OK;
@@ -148,23 +149,23 @@ static palp_status set_foundation(const forward_network *f) {
     return status ? status : network_set_foundation(f->net, "top", foundation.value);
 }
 
-static palp_status make_network(const forward_network *f, const palp_network_settings *settings,
-                                palp_network **net, palp_error *error) {
+static palp_status create_specimen_network(const forward_network *f, const palp_network_settings *settings,
+                                           palp_network **net, palp_error *error) {
     palp_model model = *f->plan->model;
     palp_support supports[2];
     model.material = f->plan->material;
     model.n_effects = 0; /* the plan has them */
     palp_supports_default(supports);
-    for (size_t i = 0; i < 2 && slip_of(f); i++)
+    for (size_t i = 0; i < 2 && find_plate_slip_effect(f); i++)
         supports[i].axis[0] = supports[i].axis[2] = PALP_FREE;
     return palp_network_from_model(&model, NULL, 2, supports, settings, net, error);
 }
 
-static palp_status equip(forward_network *f, palp_error *error) {
+static palp_status allocate_slope_arrays(forward_network *f, palp_error *error) {
     const forward_plan *plan = f->plan;
     const size_t n = plan->n_columns, m = palp_mesh_element_count(f->net->mesh);
     f->weight = calloc(m + 3 * n + 1, sizeof *f->weight);
-    palp_status status = f->weight ? set_foundation(f) : PALP_ERR_NO_MEMORY;
+    palp_status status = f->weight ? set_slip_foundation(f) : PALP_ERR_NO_MEMORY;
     if (status)
         return palp_error_set(error, status, "the network: %s", palp_status_text(status));
     f->peak_p[0] = f->weight + m;
@@ -184,11 +185,11 @@ palp_status forward_network_create(forward_plan *plan, const palp_network_settin
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     f->plan = plan;
     f->sloped = sloped;
-    palp_status status = add_spectra(f, plan, shortest, whole, error);
+    palp_status status = add_spectra_of_effects(f, plan, shortest, whole, error);
     if (!status)
-        status = make_network(f, settings, &f->net, error);
+        status = create_specimen_network(f, settings, &f->net, error);
     if (!status)
-        status = equip(f, error);
+        status = allocate_slope_arrays(f, error);
     if (status)
         forward_network_free(f);
     else
@@ -212,9 +213,9 @@ void forward_network_free(forward_network *f) {
 forward_specimen forward_network_specimen(forward_network *f) {
     double shortest = forward_shortest_arm(f->plan);
     return (forward_specimen){.self = f,
-                              .attempt = attempt,
-                              .hold = hold,
-                              .commit = commit,
+                              .attempt = try_network_strain,
+                              .hold = slopes_at_held_strain,
+                              .commit = commit_network_strain,
                               .height = f->net->height,
                               .shortest = isinf(shortest) ? 0.0 : shortest,
                               .n_columns = f->slopes ? f->plan->n_columns : 0,
@@ -239,18 +240,19 @@ void palp_load_history_free(palp_load_history *history) {
 
 static const double LONG = 1e9; /* s, after which all arms are relaxed */
 
-static palp_status move_to(forward_network *f, double strain, double dt, const double *strain_p) {
+static palp_status move_specimen_to_strain(forward_network *f, double strain, double dt,
+                                           const double *strain_p) {
     double force, *force_p = f->peak_p[1]; /* nothing is kept there yet */
     const forward_move move = {strain, dt, 0.0};
-    palp_status status = attempt(f, &move, &force, NULL);
+    palp_status status = try_network_strain(f, &move, &force, NULL);
     if (!status)
-        commit(f, strain_p, NULL, force_p);
+        commit_network_strain(f, strain_p, NULL, force_p);
     return status;
 }
 
 /* Largest strains of the elements after an earlier slow press. The strain of that press has no derivatives
  * here. */
-static palp_status press_before(forward_network *f, double strain) {
+static palp_status press_to_earlier_peak(forward_network *f, double strain) {
     enum { STEPS = 16 };
     const size_t size = f->net->n_elements * sizeof *f->weight;
     palp_status status = PALP_OK;
@@ -269,14 +271,14 @@ static palp_status press_before(forward_network *f, double strain) {
 }
 
 /* Puts the specimen at the strain of its permanent set, with relaxed arms. */
-static palp_status lie_down(forward_network *f) {
+static palp_status settle_at_permanent_set(forward_network *f) {
     const double set = f->plan->damage.set;
     f->rest = set * f->peak[0];
     for (size_t k = 0; f->slopes && k < f->plan->n_columns; k++)
         f->rest_p[k] = set * f->peak_p[0][k];
     for (size_t i = 0; f->slopes && i < f->plan->n_damage_slopes; i++)
         f->rest_p[f->plan->damage_slope[i].column] += f->plan->damage_slope[i].by.set * f->peak[0];
-    palp_status status = move_to(f, f->rest, LONG, f->slopes ? f->rest_p : NULL);
+    palp_status status = move_specimen_to_strain(f, f->rest, LONG, f->slopes ? f->rest_p : NULL);
     f->net->now.time = 0.0;
     f->net->n_past = 0;
     return status;
@@ -289,7 +291,7 @@ palp_status forward_network_take_history(forward_network *f, const palp_load_his
         return PALP_OK;
     if (e && (e->n != m || (f->slopes && e->n_columns && e->n_columns != n)))
         return PALP_ERR_ARGUMENT;
-    palp_status status = e ? PALP_OK : press_before(f, history->peak);
+    palp_status status = e ? PALP_OK : press_to_earlier_peak(f, history->peak);
     if (e)
         memcpy(f->net->now.history.peak, e->peak, m * sizeof *e->peak);
     if (e && f->slopes && e->n_columns)
@@ -297,7 +299,7 @@ palp_status forward_network_take_history(forward_network *f, const palp_load_his
     f->peak[0] = history->peak;
     if (f->slopes && history->peak_p)
         memcpy(f->peak_p[0], history->peak_p, n * sizeof *history->peak_p);
-    return status || !f->plan->sets ? status : lie_down(f);
+    return status || !f->plan->sets ? status : settle_at_permanent_set(f);
 }
 
 palp_status forward_network_leave_history(const forward_network *f, palp_load_history *history) {

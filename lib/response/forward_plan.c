@@ -17,7 +17,7 @@ size_t forward_effect_column(const palp_model *model, size_t effect) {
     return column;
 }
 
-static palp_status add_arm(forward_plan *plan, const double *value, size_t column, palp_error *error) {
+static palp_status add_effect_arm(forward_plan *plan, const double *value, size_t column, palp_error *error) {
     palp_material *m = &plan->material;
     if (m->n_arms == PALP_ARMS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT, "relaxation_arm: the model has %d arms already",
@@ -30,7 +30,7 @@ static palp_status add_arm(forward_plan *plan, const double *value, size_t colum
 }
 
 /* Inserts the effect in the order of stages. */
-static palp_status add_effect(forward_plan *plan, size_t i, palp_error *error) {
+static palp_status insert_effect_by_stage(forward_plan *plan, size_t i, palp_error *error) {
     const palp_effect *effect = &plan->model->effects[i];
     const effect_row *row = effect_row_of(effect->id);
     const size_t column = forward_effect_column(plan->model, i);
@@ -42,7 +42,7 @@ static palp_status add_effect(forward_plan *plan, size_t i, palp_error *error) {
     if (plan->n_spectra > FORWARD_SPECTRA)
         return palp_error_set(error, PALP_ERR_LIMIT, "%s: the model has %d such effects already",
                               row->info.id, FORWARD_SPECTRA);
-    return row->arm ? add_arm(plan, effect->value, column, error) : PALP_OK;
+    return row->arm ? add_effect_arm(plan, effect->value, column, error) : PALP_OK;
 }
 
 double forward_rate_factor(const forward_plan *plan, double rate, effect_number *of_effect) {
@@ -93,7 +93,7 @@ size_t forward_arm_slopes(const forward_plan *plan, size_t j, forward_arm_slope 
 }
 
 /* Applies the effects on the material. */
-static void change_material(forward_plan *plan) {
+static void apply_effects_to_material(forward_plan *plan) {
     plan->damage.sharpness = 1.0;
     for (size_t i = 0; i < plan->n_effects; i++) {
         const forward_effect *f = &plan->effect[i];
@@ -113,7 +113,7 @@ static void change_material(forward_plan *plan) {
     }
 }
 
-static void find_contact(forward_plan *plan) {
+static void find_contact_effects(forward_plan *plan) {
     for (size_t i = 0; i < plan->n_effects; i++) {
         forward_effect *f = &plan->effect[i];
         plan->gives_way = plan->gives_way || (f->row->gives_way && !effect_is_off(f->effect));
@@ -138,7 +138,7 @@ palp_status forward_plan_age(forward_plan *plan, double session_s) {
     return plan->age > 0.0 && isfinite(plan->age) ? PALP_OK : PALP_ERR_ARGUMENT;
 }
 
-static palp_status check_lumped(const palp_model *model, palp_error *error) {
+static palp_status check_lumped_model(const palp_model *model, palp_error *error) {
     if (model->material.formulation != PALP_HISTORY)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "formulation sedef2008 takes no effects; use history");
@@ -149,7 +149,7 @@ static palp_status check_lumped(const palp_model *model, palp_error *error) {
 
 palp_status forward_plan_make(const palp_model *model, double session_s, forward_plan *plan,
                               palp_error *error) {
-    palp_status status = model->kind == PALP_MODEL_LUMPED ? check_lumped(model, error) : PALP_OK;
+    palp_status status = model->kind == PALP_MODEL_LUMPED ? check_lumped_model(model, error) : PALP_OK;
     if (!status)
         status = palp_model_effects_check(model, error);
     memset(plan, 0, sizeof *plan);
@@ -158,12 +158,12 @@ palp_status forward_plan_make(const palp_model *model, double session_s, forward
     for (size_t j = 0; j < model->material.n_arms && j < PALP_ARMS_MAX; j++)
         plan->arm_column[j] = forward_arm_column(model, j);
     for (size_t i = 0; i < model->n_effects && !status; i++)
-        status = add_effect(plan, i, error);
+        status = insert_effect_by_stage(plan, i, error);
     if (status)
         return status;
     plan->n_columns = forward_effect_column(model, model->n_effects);
-    change_material(plan);
-    find_contact(plan);
+    apply_effects_to_material(plan);
+    find_contact_effects(plan);
     if (forward_plan_age(plan, session_s))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
                               "at %.6g s of the session nothing is left of the specimen's force", session_s);

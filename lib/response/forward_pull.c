@@ -22,7 +22,7 @@ size_t forward_bond_at(const forward_plate *p, double gap, effect_bond *bond) {
 /* Finds the distance at which the bond's pull is the specimen's force; of several the nearest. Newton's
  * method approaches it from one side, as the bond's stiffness falls with the gap. ERR_NOT_CONVERGED: none,
  * the plate lets go. */
-static palp_status cling(const forward_plate *p, double *strain, double *force, double *slope) {
+static palp_status find_strain_on_bond(const forward_plate *p, double *strain, double *force, double *slope) {
     enum { STEPS = 100 };
     const double height = p->specimen.height;
     double nearest = *strain, at = *strain + p->gap;
@@ -50,7 +50,7 @@ static palp_status cling(const forward_plate *p, double *strain, double *force, 
     return PALP_ERR_NOT_CONVERGED;
 }
 
-static void take_cling(forward_plate *p, double strain, double force, double slope) {
+static void commit_strain_on_bond(forward_plate *p, double strain, double force, double slope) {
     const size_t n = p->specimen.n_columns;
     forward_surface s = forward_held(p, 1.0, force);
     effect_bond bond;
@@ -84,9 +84,9 @@ void forward_let_go(forward_plate *p) {
 
 palp_status forward_pull(forward_plate *p, double strain) {
     double force, slope;
-    palp_status status = cling(p, &strain, &force, &slope);
+    palp_status status = find_strain_on_bond(p, &strain, &force, &slope);
     if (!status)
-        take_cling(p, strain, force, slope);
+        commit_strain_on_bond(p, strain, force, slope);
     if (status == PALP_ERR_NOT_CONVERGED)
         forward_let_go(p);
     return status == PALP_ERR_NOT_CONVERGED ? PALP_OK : status;

@@ -23,24 +23,25 @@ struct forward_slopes {
 /* ---- direct changes by a parameter ---- */
 
 /* Does it change elements or supports, and not only the instrument? */
-static bool may_move(const forward_slopes *s, const effect_row *row) {
+static bool does_effect_move_specimen(const forward_slopes *s, const effect_row *row) {
     return row->arm || row->arms || row->spring || row->history || row->spectrum ||
            (row->foundation && network_foundation(s->step.net));
 }
 
-static void find_alive(forward_slopes *s) {
+static void mark_moving_columns(forward_slopes *s) {
     const palp_model *model = s->plan->model;
     size_t column = forward_effect_column(model, 0);
     memset(s->alive, 1, column);
     for (size_t i = 0; i < model->n_effects; i++) {
         size_t end = forward_effect_column(model, i + 1);
-        memset(s->alive + column, may_move(s, effect_row_of(model->effects[i].id)), end - column);
+        memset(s->alive + column, does_effect_move_specimen(s, effect_row_of(model->effects[i].id)),
+               end - column);
         column = end;
     }
 }
 
 /* partial = direct changes of the springs, at fixed nodes and histories. */
-static void spring_partials(forward_slopes *s, const effect_number *of_effect) {
+static void spring_parameter_partials(forward_slopes *s, const effect_number *of_effect) {
     step_slopes *step = &s->step;
     const palp_network *net = step->net;
     const bool damaged = net->damage != NULL;
@@ -59,14 +60,14 @@ static void spring_partials(forward_slopes *s, const effect_number *of_effect) {
     }
 }
 
-static void arm_own(forward_slopes *s, size_t j) {
+static void add_own_slopes_of_arm(forward_slopes *s, size_t j) {
     forward_arm_slope own[FORWARD_ARM_SLOPES];
     const size_t n = forward_arm_slopes(s->plan, j, own);
     for (size_t i = 0; i < n; i++)
         step_slopes_add_arm(&s->step, own[i].column, j, &own[i].by);
 }
 
-static void quasi_linear_own(forward_slopes *s, size_t j) {
+static void add_quasi_linear_slopes(forward_slopes *s, size_t j) {
     step_slopes *step = &s->step;
     const palp_network *net = step->net;
     const palp_law *law = &net->material.law;
@@ -81,7 +82,7 @@ static void quasi_linear_own(forward_slopes *s, size_t j) {
     }
 }
 
-static void spectrum_own(forward_slopes *s, const forward_spectrum *g) {
+static void add_own_slopes_of_spectrum(forward_slopes *s, const forward_spectrum *g) {
     for (size_t i = 0; i < g->n; i++)
         for (size_t v = 0; v < g->n_values; v++) {
             const effect_arm by = {.log_stiffness = g->mode[i].weight_by[v] /
@@ -91,7 +92,7 @@ static void spectrum_own(forward_slopes *s, const forward_spectrum *g) {
         }
 }
 
-static void time_partials(forward_slopes *s) {
+static void derivatives_by_step_time(forward_slopes *s) {
     const palp_network *net = s->step.net;
     const double dt = net->step.dt;
     for (size_t i = 0; i < s->step.m; i++) {
@@ -106,24 +107,24 @@ void forward_slopes_find(forward_slopes *s, const double *weight, double stiffne
                          const effect_number *of_effect) {
     s->stiffness = stiffness;
     step_slopes_begin(&s->step, weight);
-    spring_partials(s, of_effect);
+    spring_parameter_partials(s, of_effect);
     for (size_t k = 0; k < s->step.n; k++)
         if (s->alive[k])
             step_slopes_carry(&s->step, k);
     size_t plain = s->n_spectra ? s->spectrum[0].first : s->step.n_arms;
     for (size_t j = 0; j < plain; j++)
-        arm_own(s, j);
+        add_own_slopes_of_arm(s, j);
     for (size_t j = 0; j < s->step.n_arms && s->step.net->material.quasi_linear; j++)
-        quasi_linear_own(s, j);
+        add_quasi_linear_slopes(s, j);
     for (size_t g = 0; g < s->n_spectra; g++)
-        spectrum_own(s, &s->spectrum[g]);
-    time_partials(s);
+        add_own_slopes_of_spectrum(s, &s->spectrum[g]);
+    derivatives_by_step_time(s);
 }
 
 /* ---- at equilibrium ---- */
 
 /* d log foundation / d parameter k. */
-static double foundation_slope(const forward_slopes *s, size_t k) {
+static double log_foundation_derivative(const forward_slopes *s, size_t k) {
     const palp_law *law = &s->step.net->material.law;
     const double small = 1e-9;
     double start, row[PALP_LAW_MAX];
@@ -147,13 +148,13 @@ static double foundation_slope(const forward_slopes *s, size_t k) {
 
 void forward_slopes_hold(forward_slopes *s, double *force_p, double *force_dt) {
     for (size_t k = 0; k < s->step.n; k++)
-        force_p[k] = s->alive[k] ? step_slopes_force(&s->step, k, foundation_slope(s, k)) : 0.0;
+        force_p[k] = s->alive[k] ? step_slopes_force(&s->step, k, log_foundation_derivative(s, k)) : 0.0;
     *force_dt = 0.0;
     for (size_t i = 0; i < s->step.m; i++)
         *force_dt += s->step.weight[i] * s->by_time[i];
 }
 
-static void add_time(forward_slopes *s, size_t k, double dt_p) {
+static void add_step_time_slopes(forward_slopes *s, size_t k, double dt_p) {
     step_slopes *step = &s->step;
     const double dt = step->net->step.dt;
     for (size_t i = 0; i < step->m; i++)
@@ -172,8 +173,8 @@ void forward_slopes_advance(forward_slopes *s, const double *strain_p, const dou
             continue;
         s->alive[k] = 1;
         if (dt_p && dt_p[k] != 0.0)
-            add_time(s, k, dt_p[k]);
-        const double stiffer = foundation_slope(s, k);
+            add_step_time_slopes(s, k, dt_p[k]);
+        const double stiffer = log_foundation_derivative(s, k);
         force_p[k] = step_slopes_force(&s->step, k, stiffer) + s->stiffness * depth_p;
         step_slopes_equilibrate(&s->step, k, stiffer, depth_p);
     }
@@ -197,7 +198,7 @@ palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, s
     }
     s->by_time = s->kept + s->step.n_state;
     s->row = s->by_time + m;
-    find_alive(s);
+    mark_moving_columns(s);
     *slopes = s;
     return PALP_OK;
 }

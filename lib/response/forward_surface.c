@@ -3,14 +3,14 @@
 
 #include <string.h>
 
-static double depth_at(const forward_plate *p, double share) {
+static double plate_depth_at_share(const forward_plate *p, double share) {
     return share == 1.0 ? p->depth[1] : p->depth[0] + share * (p->depth[1] - p->depth[0]);
 }
 
 forward_surface forward_held(const forward_plate *p, double share, double force) {
     forward_surface s;
     const double height = p->specimen.height;
-    double depth = depth_at(p, share) - p->plan->contact;
+    double depth = plate_depth_at_share(p, share) - p->plan->contact;
     s.by_depth = 1.0;
     s.by_force = s.drift = 0.0;
     for (size_t i = 0; i < p->plan->n_effects; i++) {
@@ -69,7 +69,7 @@ palp_status forward_ask(const forward_plate *p, double strain, double share, boo
 }
 
 /* Adds the direct changes of a force by the parameters of ageing. */
-static void add_ageing(const forward_plate *p, double force, double *force_p) {
+static void add_ageing_derivatives(const forward_plate *p, double force, double *force_p) {
     for (size_t i = 0; i < p->plan->n_effects; i++) {
         const forward_effect *f = &p->plan->effect[i];
         for (size_t k = 0; f->row->specimen && k < f->row->info.n_parameters; k++)
@@ -82,7 +82,7 @@ void forward_hold(const forward_plate *p, double force, double *force_p, double 
     for (size_t k = 0; k < p->specimen.n_columns; k++)
         force_p[k] *= p->plan->age;
     *force_dt *= p->plan->age;
-    add_ageing(p, force, force_p);
+    add_ageing_derivatives(p, force, force_p);
 }
 
 void forward_take(forward_plate *p, double strain, double share, double force, const double *strain_p,
@@ -101,7 +101,7 @@ void forward_take(forward_plate *p, double strain, double share, double force, c
         p->done_p[k] = share_p ? share_p[k] : 0.0;
     }
     if (n)
-        add_ageing(p, force, p->force_p);
+        add_ageing_derivatives(p, force, p->force_p);
     p->strain = strain;
     p->force = force;
     p->done = share;

@@ -30,7 +30,8 @@ palp_specimen_settings palp_specimen_settings_default(void) {
 
 /* ---- on a table ---- */
 
-static palp_status attempt(void *self, const forward_move *move, double *force, double *slope) {
+static palp_status try_strain_above_table(void *self, const forward_move *move, double *force,
+                                          double *slope) {
     palp_specimen *s = self;
     forward_move up_to = *move;
     double beyond = fmax(move->strain - TABLE, 0.0), table = s->settings.table_N_m * s->body.height;
@@ -44,14 +45,14 @@ static palp_status attempt(void *self, const forward_move *move, double *force, 
     return PALP_OK;
 }
 
-static void commit(void *self, const double *strain_p, const double *dt_p, double *force_p) {
+static void commit_specimen_strain(void *self, const double *strain_p, const double *dt_p, double *force_p) {
     palp_specimen *s = self;
     s->body.commit(s->body.self, strain_p, dt_p, force_p);
 }
 
 /* ---- created and freed ---- */
 
-static palp_status check(const palp_specimen_settings *s, palp_error *error) {
+static palp_status check_specimen_settings(const palp_specimen_settings *s, palp_error *error) {
     bool good = isfinite(s->start_m) && s->scale > 0.0 && isfinite(s->scale) && s->table_N_m >= 0.0 &&
                 isfinite(s->table_N_m) && isfinite(s->session_s) && s->step_s > 0.0 &&
                 s->span_s >= s->step_s && isfinite(s->span_s) && s->fastest_m_s >= 0.0 &&
@@ -60,13 +61,13 @@ static palp_status check(const palp_specimen_settings *s, palp_error *error) {
 }
 
 /* Updates the factor of the specimen's force to the present time. */
-static palp_status age(palp_specimen *s) {
+static palp_status update_ageing_factor(palp_specimen *s) {
     palp_status status = forward_plan_age(&s->plan, s->settings.session_s + s->time_s);
     s->plan.age *= s->settings.scale;
     return status;
 }
 
-static palp_status make_body(palp_specimen *s, palp_error *error) {
+static palp_status create_specimen_body(palp_specimen *s, palp_error *error) {
     const palp_specimen_settings *to = &s->settings;
     if (s->model.kind == PALP_MODEL_NETWORK) {
         palp_status status =
@@ -81,12 +82,12 @@ static palp_status make_body(palp_specimen *s, palp_error *error) {
     return PALP_OK;
 }
 
-static palp_status make_plate(palp_specimen *s, palp_error *error) {
+static palp_status create_specimen_plate(palp_specimen *s, palp_error *error) {
     forward_specimen body = s->body;
     if (s->settings.table_N_m > 0.0) {
         body.self = s;
-        body.attempt = attempt;
-        body.commit = commit;
+        body.attempt = try_strain_above_table;
+        body.commit = commit_specimen_strain;
     }
     palp_status status = forward_plate_create(&s->plan, &body, &s->plate);
     if (!status)
@@ -105,15 +106,15 @@ palp_status palp_specimen_create(const palp_model *model, const palp_specimen_se
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     s->model = *model;
     s->settings = settings ? *settings : palp_specimen_settings_default();
-    palp_status status = check(&s->settings, error);
+    palp_status status = check_specimen_settings(&s->settings, error);
     if (!status)
         status = forward_plan_make(&s->model, s->settings.session_s, &s->plan, error);
     if (!status)
-        status = age(s);
+        status = update_ageing_factor(s);
     if (!status)
-        status = make_body(s, error);
+        status = create_specimen_body(s, error);
     if (!status)
-        status = make_plate(s, error);
+        status = create_specimen_plate(s, error);
     if (status)
         palp_specimen_free(s);
     else
@@ -133,7 +134,7 @@ void palp_specimen_free(palp_specimen *s) {
 
 /* ---- pressed and read ---- */
 
-static double force_of(const palp_specimen *s) {
+static double force_on_touching_plate(const palp_specimen *s) {
     return s->plate.touching ? s->plate.force : 0.0;
 }
 
@@ -142,13 +143,13 @@ palp_status palp_specimen_step(palp_specimen *s, double depth_m, double dt_s, do
         return PALP_ERR_ARGUMENT;
     if (!isfinite(depth_m) || !(dt_s > 0.0) || !isfinite(dt_s))
         return PALP_ERR_ARGUMENT;
-    palp_status status = s->plate.touching ? PALP_OK : age(s);
+    palp_status status = s->plate.touching ? PALP_OK : update_ageing_factor(s);
     if (!status)
         status = forward_plate_step(&s->plate, dt_s, depth_m, (depth_m - s->plate.depth[1]) / dt_s);
     if (status)
         return status;
     s->time_s += dt_s;
-    *force_N = force_of(s);
+    *force_N = force_on_touching_plate(s);
     return PALP_OK;
 }
 
@@ -165,6 +166,6 @@ double palp_specimen_sense(palp_specimen *s, const palp_specimen_motion *m) {
                         .acceleration = m->acceleration_m_s2};
     s->sensed = true;
     s->sensed_s = m->time_s;
-    s->sensed_N = forward_sensor_read(&s->sensor, &at, force_of(s));
+    s->sensed_N = forward_sensor_read(&s->sensor, &at, force_on_touching_plate(s));
     return s->sensed_N;
 }

@@ -89,7 +89,7 @@ double step_slopes_force(const step_slopes *s, size_t k, double stiffer) {
 }
 
 /* Displacement of every node by column k, with that of the plate, into net->fint. */
-static void displace(step_slopes *s, size_t k, double stiffer, double depth_p) {
+static void solve_displacement_slopes(step_slopes *s, size_t k, double stiffer, double depth_p) {
     palp_network *net = s->net;
     const double *partial = s->partial + k * s->m, *spring = network_foundation(net);
     double *u = net->fint;
@@ -112,7 +112,7 @@ static void displace(step_slopes *s, size_t k, double stiffer, double depth_p) {
 void step_slopes_equilibrate(step_slopes *s, size_t k, double stiffer, double depth_p) {
     palp_network *net = s->net;
     double *strain = s->strain + k * s->m;
-    displace(s, k, stiffer, depth_p);
+    solve_displacement_slopes(s, k, stiffer, depth_p);
     for (size_t i = 0; i < s->m; i++) {
         const double *a = net->fint + 3 * net->pair[2 * i], *b = net->fint + 3 * net->pair[2 * i + 1];
         const double n[3] = {net->direction[i], net->direction[s->m + i], net->direction[2 * s->m + i]};

@@ -27,7 +27,7 @@ typedef struct descent {
 } descent;
 
 /* Four partial sums, which the processor adds independently. */
-static double norm2(const double *v, size_t n) {
+static double squared_vector_norm(const double *v, size_t n) {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
     size_t i = 0;
     for (; i + 4 <= n; i += 4)
@@ -38,7 +38,7 @@ static double norm2(const double *v, size_t n) {
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-static void to_parameters(const descent *d, const double *y, double *p) {
+static void convert_to_parameters(const descent *d, const double *y, double *p) {
     size_t n = d->problem->n_parameters;
     memcpy(p, y, n * sizeof *p);
     dense_backward(n, d->triangle, 1, p);
@@ -47,7 +47,7 @@ static void to_parameters(const descent *d, const double *y, double *p) {
 }
 
 /* Largest violation of p's constraints beyond rounding, as y mixes all parameters. */
-static double excess(const least_squares *problem, const double *p) {
+static double largest_constraint_miss(const least_squares *problem, const double *p) {
     size_t n = problem->n_parameters;
     double most = 0.0, largest = 0.0;
     for (size_t k = 0; k < n; k++)
@@ -64,28 +64,28 @@ static double excess(const least_squares *problem, const double *p) {
     return most;
 }
 
-static void swap(double **a, double **b) {
+static void swap_array_pointers(double **a, double **b) {
     double *old = *a;
     *a = *b;
     *b = old;
 }
 
 /* Makes the present point the best so far. Its residuals and derivatives move out of d->r and d->jacobian. */
-static void keep(descent *d, double value, double miss) {
+static void keep_point_as_best(descent *d, double value, double miss) {
     d->best_value = value;
     d->best_excess = miss;
     memcpy(d->best, d->p, d->problem->n_parameters * sizeof *d->best);
-    swap(&d->best_r, &d->r);
-    swap(&d->best_jacobian, &d->jacobian);
+    swap_array_pointers(&d->best_r, &d->r);
+    swap_array_pointers(&d->best_jacobian, &d->jacobian);
 }
 
-static bool at_best(const descent *d) {
+static bool is_at_best_point(const descent *d) {
     return memcmp(d->p, d->best, d->problem->n_parameters * sizeof *d->p) == 0;
 }
 
 /* |r|^2 / 2 at d->p. A point with smaller constraint violation or value is kept. A round ends after two
  * evaluations without improvement. */
-static double evaluate(descent *d) {
+static double evaluate_residuals_at_point(descent *d) {
     const least_squares *problem = d->problem;
     d->status = problem->evaluate(problem->user, d->p, d->r, d->jacobian);
     d->evaluations++;
@@ -94,7 +94,8 @@ static double evaluate(descent *d) {
             nlopt_force_stop(d->optimizer);
         return HUGE_VAL;
     }
-    double value = 0.5 * norm2(d->r, problem->n_residuals), miss = excess(problem, d->p);
+    double value = 0.5 * squared_vector_norm(d->r, problem->n_residuals),
+           miss = largest_constraint_miss(problem, d->p);
     bool nearer = miss < d->best_excess;
     bool better = isfinite(value) && (nearer || (miss == d->best_excess && value < d->best_value));
     bool much = nearer || value < d->best_value * (1.0 - 2.0 * problem->stop_relative);
@@ -102,18 +103,20 @@ static double evaluate(descent *d) {
     d->overshot = d->overshot || miss > d->best_excess ||
                   !(value <= d->best_value * (1.0 + 2.0 * problem->stop_relative));
     if (better)
-        keep(d, value, miss);
+        keep_point_as_best(d, value, miss);
     if (d->optimizer && (d->stalled >= 2 || d->evaluations == d->limit || d->best_value <= d->nothing))
         nlopt_force_stop(d->optimizer);
     return value;
 }
 
-static double objective(unsigned n, const double *y, double *gradient, void *user) {
+static double half_squares_objective(unsigned n, const double *y, double *gradient, void *user) {
     descent *d = user;
     size_t m = d->problem->n_residuals;
-    to_parameters(d, y, d->p);
-    double value = at_best(d) ? d->best_value : evaluate(d); /* a round begins at the best point */
-    bool best = at_best(d);
+    convert_to_parameters(d, y, d->p);
+    double value = is_at_best_point(d)
+                       ? d->best_value
+                       : evaluate_residuals_at_point(d); /* a round begins at the best point */
+    bool best = is_at_best_point(d);
     const double *r = best ? d->best_r : d->r, *jacobian = best ? d->best_jacobian : d->jacobian;
     if (gradient && !d->status) {
         dense_transposed_times(m, n, 1.0, jacobian, r, 0.0, gradient);
@@ -123,11 +126,11 @@ static double objective(unsigned n, const double *y, double *gradient, void *use
 }
 
 /* Constraint values: floor - row . p <= 0. */
-static void constraints(unsigned rows, double *result, unsigned n, const double *y, double *gradient,
-                        void *user) {
+static void linear_constraint_misses(unsigned rows, double *result, unsigned n, const double *y,
+                                     double *gradient, void *user) {
     descent *d = user;
     const least_squares *problem = d->problem;
-    to_parameters(d, y, d->p);
+    convert_to_parameters(d, y, d->p);
     for (unsigned i = 0; i < rows; i++) {
         const double *row = problem->constraint + (size_t)i * n;
         result[i] = problem->floor[i];
@@ -145,11 +148,11 @@ static const double LEAST_DAMPING = 1e-6, FELT_DAMPING = 1e-2, MOST_DAMPING = 1e
 
 /* R of the best Jacobian with damping in proportion to its columns, which keeps R regular if a parameter has
  * no influence. */
-static palp_status whiten(descent *d) {
+static palp_status whiten_by_best_jacobian(descent *d) {
     size_t n = d->problem->n_parameters, m = d->problem->n_residuals, rows = m + n;
     double largest = 0.0;
     for (size_t k = 0; k < n; k++) {
-        d->tau[k] = sqrt(norm2(d->best_jacobian + k * m, m));
+        d->tau[k] = sqrt(squared_vector_norm(d->best_jacobian + k * m, m));
         largest = fmax(largest, d->tau[k]);
     }
     if (!(largest > 0.0) || !isfinite(largest))
@@ -166,17 +169,18 @@ static palp_status whiten(descent *d) {
 }
 
 /* Bounds on p become linear constraints on y. */
-static nlopt_result descend(descent *d) {
+static nlopt_result minimize_from_best_point(descent *d) {
     const least_squares *problem = d->problem;
     double value;
     memset(d->y, 0, problem->n_parameters * sizeof *d->y);
     nlopt_opt o = nlopt_create(NLOPT_LD_SLSQP, (unsigned)problem->n_parameters);
     if (!o)
         return NLOPT_OUT_OF_MEMORY;
-    nlopt_result result = nlopt_set_min_objective(o, objective, d);
+    nlopt_result result = nlopt_set_min_objective(o, half_squares_objective, d);
     nlopt_set_ftol_rel(o, problem->stop_relative);
     if (problem->n_constraints && result > 0)
-        result = nlopt_add_inequality_mconstraint(o, (unsigned)problem->n_constraints, constraints, d, NULL);
+        result = nlopt_add_inequality_mconstraint(o, (unsigned)problem->n_constraints,
+                                                  linear_constraint_misses, d, NULL);
     d->optimizer = o;
     if (result > 0)
         result = nlopt_optimize(o, d->y, &value);
@@ -185,7 +189,7 @@ static nlopt_result descend(descent *d) {
     return result;
 }
 
-static palp_status allocate(descent *d) {
+static palp_status allocate_descent_arrays(descent *d) {
     size_t n = d->problem->n_parameters, m = d->problem->n_residuals;
     double **by_parameter[] = {&d->origin, &d->best, &d->p, &d->tau, &d->y};
     for (size_t i = 0; i < sizeof by_parameter / sizeof *by_parameter; i++)
@@ -200,7 +204,7 @@ static palp_status allocate(descent *d) {
     return d->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-static bool down_to_rounding(const descent *d) {
+static bool is_residual_mere_rounding(const descent *d) {
     return d->best_value <= d->nothing && d->best_excess == 0.0;
 }
 
@@ -215,10 +219,10 @@ static palp_status descend_in_rounds(descent *d, bool *converged) {
         d->stalled = 0;
         d->overshot = false;
         d->limit = d->evaluations + (left < ROUND ? left : ROUND);
-        palp_status status = whiten(d);
+        palp_status status = whiten_by_best_jacobian(d);
         if (status)
             return status;
-        nlopt_result result = descend(d);
+        nlopt_result result = minimize_from_best_point(d);
         if (d->status)
             return d->status;
         if (result == NLOPT_OUT_OF_MEMORY)
@@ -226,7 +230,7 @@ static palp_status descend_in_rounds(descent *d, bool *converged) {
         bool better =
             d->best_excess < missed || before - d->best_value > 2.0 * problem->stop_relative * before;
         bool too_far = d->overshot && d->damping < MOST_DAMPING;
-        *converged = down_to_rounding(d) || (!better && !too_far);
+        *converged = is_residual_mere_rounding(d) || (!better && !too_far);
         if (d->overshot != better)
             d->damping =
                 better ? fmax(LEAST_DAMPING, 0.1 * d->damping) : fmax(FELT_DAMPING, 100.0 * d->damping);
@@ -238,11 +242,11 @@ palp_status least_squares_solve(const least_squares *problem, double *p, double 
     descent d = {
         .problem = problem, .best_value = HUGE_VAL, .best_excess = HUGE_VAL, .damping = LEAST_DAMPING};
     size_t n = problem->n_parameters;
-    palp_status status = allocate(&d);
+    palp_status status = allocate_descent_arrays(&d);
     *converged = false;
     if (!status) {
         memcpy(d.p, p, n * sizeof *p);
-        evaluate(&d);
+        evaluate_residuals_at_point(&d);
         status = d.status;
         d.nothing = 1e-24 * d.best_value;
         if (!status)

@@ -30,7 +30,8 @@ bool levenberg_step(size_t n, const double *x, const double *low, const double *
 }
 
 /* Violation of constraint i by x + step. */
-static double missing(size_t n, const levenberg_walls *walls, size_t i, const double *x, const double *step) {
+static double distance_short_of_wall(size_t n, const levenberg_walls *walls, size_t i, const double *x,
+                                     const double *step) {
     const double *row = walls->row + i * n;
     return walls->least[i] - dense_dot(n, row, x) - dense_dot(n, row, step);
 }
@@ -42,7 +43,7 @@ palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const doub
     const size_t count = walls ? walls->count : 0, rows = n + 1;
     double worst = 0.0, residual;
     for (size_t i = 0; i < count; i++)
-        worst = fmax(worst, missing(n, walls, i, x, step));
+        worst = fmax(worst, distance_short_of_wall(n, walls, i, x, step));
     if (!(worst > 0.0))
         return PALP_OK;
     double *column = malloc((rows * (count + 1) + count) * sizeof *column), *way = column + rows * count,
@@ -57,7 +58,7 @@ palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const doub
         const double length = sqrt(dense_dot(n, own, own));
         for (size_t k = 0; k < n; k++)
             own[k] /= length;
-        own[n] = missing(n, walls, i, x, step) / length;
+        own[n] = distance_short_of_wall(n, walls, i, x, step) / length;
         worst = fmax(worst, own[n]);
     }
     for (size_t i = 0; i < count; i++)
@@ -76,7 +77,7 @@ palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const doub
 }
 
 /* next = x + step, clipped to reach and bounds. */
-static void move(const levenberg *p, const double *x, const double *step, double *next) {
+static void limit_step_to_bounds(const levenberg *p, const double *x, const double *step, double *next) {
     for (size_t i = 0; i < p->n; i++) {
         double way = fmax(-p->reach[i], fmin(p->reach[i], step[i]));
         next[i] = fmin(p->high[i], fmax(p->low[i], x[i] + way));
@@ -96,7 +97,7 @@ palp_status levenberg_solve(const levenberg *p, double *x, double *h, double *g,
             status = levenberg_confine(n, p->walls, x, work, step);
         if (status)
             break;
-        move(p, x, step, next);
+        limit_step_to_bounds(p, x, step, next);
         palp_status tried = p->evaluate(p->user, next, next_h, next_g, &next_chi2);
         if (tried == PALP_ERR_NO_MEMORY) {
             status = tried;

@@ -16,8 +16,8 @@ static const double SIMPLICIAL_RATE = 2.5e9;
  * powers of ten. */
 static const double ROUNDING = 1e-14;
 
-static palp_status make(palp_solver solver, size_t n, const size_t *column, const int32_t *row,
-                        linsys_made *made) {
+static palp_status create_chosen_solver(palp_solver solver, size_t n, const size_t *column,
+                                        const int32_t *row, linsys_made *made) {
     if (solver == PALP_SOLVER_BAND)
         return linsys_band_make(n, column, row, made);
     if (solver == PALP_SOLVER_SIMPLICIAL || solver == PALP_SOLVER_SUPERNODAL)
@@ -37,7 +37,7 @@ palp_status linsys_create(palp_solver solver, size_t n, const size_t *column, co
     linsys *ls = malloc(sizeof *ls);
     if (!ls)
         return PALP_ERR_NO_MEMORY;
-    palp_status status = make(solver, n, column, row, &ls->made);
+    palp_status status = create_chosen_solver(solver, n, column, row, &ls->made);
     if (status) {
         free(ls);
         return status;
@@ -70,7 +70,7 @@ double linsys_flops(const linsys *ls) {
 }
 
 /* A pivot below rounding of the largest one counts as zero: the matrix is singular. */
-static palp_status judge(palp_status status, const linsys_pivots *pivots, int *negative) {
+static palp_status judge_factor_by_pivots(palp_status status, const linsys_pivots *pivots, int *negative) {
     *negative = pivots->negative;
     if (!status && !(pivots->least >= ROUNDING * pivots->largest))
         return PALP_ERR_SINGULAR;
@@ -80,7 +80,7 @@ static palp_status judge(palp_status status, const linsys_pivots *pivots, int *n
 palp_status linsys_factor(linsys *ls, int *negative) {
     linsys_pivots pivots = {0};
     palp_status status = ls->made.ops->factor(ls->made.self, &pivots);
-    return judge(status, &pivots, negative);
+    return judge_factor_by_pivots(status, &pivots, negative);
 }
 
 void linsys_begin(linsys *ls) {
@@ -94,7 +94,7 @@ palp_status linsys_advance(linsys *ls, double flops, int *negative, bool *done) 
     if (*done)
         return linsys_factor(ls, negative);
     palp_status status = ls->made.ops->advance(ls->made.self, flops, &pivots, done);
-    return judge(status, &pivots, negative);
+    return judge_factor_by_pivots(status, &pivots, negative);
 }
 
 void linsys_solve(linsys *ls, double *b) {

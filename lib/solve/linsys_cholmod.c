@@ -21,18 +21,18 @@ typedef struct solver {
 } solver;
 
 /* Simplicial takes the upper triangle without a copy, supernodal the lower one. */
-static void place(const solver *s, size_t row, size_t column, size_t *r, size_t *c) {
+static void permuted_row_and_column(const solver *s, size_t row, size_t column, size_t *r, size_t *c) {
     size_t a = (size_t)s->position[row], b = (size_t)s->position[column];
     size_t low = a < b ? a : b, high = a < b ? b : a;
     *r = s->supernodal ? high : low;
     *c = s->supernodal ? low : high;
 }
 
-static size_t solver_slot(const void *self, size_t row, size_t column) {
+static size_t find_matrix_value_slot(const void *self, size_t row, size_t column) {
     const solver *s = self;
     const int *p = s->matrix->p, *rows = s->matrix->i;
     size_t r, c;
-    place(s, row, column, &r, &c);
+    permuted_row_and_column(s, row, column, &r, &c);
     int low = p[c], high = p[c + 1] - 1;
     while (low < high) {
         int middle = low + (high - low) / 2;
@@ -44,7 +44,7 @@ static size_t solver_slot(const void *self, size_t row, size_t column) {
     return (size_t)low;
 }
 
-static void solver_destroy(void *self) {
+static void destroy_sparse_solver(void *self) {
     solver *s = self;
     if (s->started) {
         cholmod_free_factor(&s->simplicial, &s->common);
@@ -60,7 +60,7 @@ static void solver_destroy(void *self) {
     free(s);
 }
 
-static palp_status find_pivots(const cholmod_factor *factor, linsys_pivots *pivots) {
+static palp_status find_pivot_extremes(const cholmod_factor *factor, linsys_pivots *pivots) {
     const int *p = factor->p;
     const double *x = factor->x;
     *pivots = (linsys_pivots){0, INFINITY, 0.0};
@@ -78,10 +78,10 @@ static palp_status find_pivots(const cholmod_factor *factor, linsys_pivots *pivo
 static palp_status factor_simplicial(solver *s, linsys_pivots *pivots) {
     if (!cholmod_factorize(s->matrix, s->simplicial, &s->common) && s->common.status < CHOLMOD_OK)
         return s->common.status == CHOLMOD_OUT_OF_MEMORY ? PALP_ERR_NO_MEMORY : PALP_ERR_SINGULAR;
-    return find_pivots(s->simplicial, pivots);
+    return find_pivot_extremes(s->simplicial, pivots);
 }
 
-static palp_status solver_factor(void *self, linsys_pivots *pivots) {
+static palp_status factor_sparse_matrix(void *self, linsys_pivots *pivots) {
     solver *s = self;
     s->is_super = false;
     if (s->supernodal) {
@@ -97,7 +97,7 @@ static palp_status solver_factor(void *self, linsys_pivots *pivots) {
     return factor_simplicial(s, pivots);
 }
 
-static void solve_simplicial(const cholmod_factor *factor, double *x) {
+static void solve_with_simplicial(const cholmod_factor *factor, double *x) {
     const int *p = factor->p, *i = factor->i, *nz = factor->nz;
     const double *l = factor->x;
     for (size_t j = 0; j < factor->n; j++)
@@ -111,7 +111,7 @@ static void solve_simplicial(const cholmod_factor *factor, double *x) {
     }
 }
 
-static void solve_super(solver *s) {
+static void solve_with_supernodes(solver *s) {
 #ifdef PALP_GPL
     cholmod_dense b = {.nrow = s->n,
                        .ncol = 1,
@@ -130,22 +130,23 @@ static void solve_super(solver *s) {
 #endif
 }
 
-static void solver_solve(void *self, double *b) {
+static void solve_sparse_system(void *self, double *b) {
     solver *s = self;
     for (size_t i = 0; i < s->n; i++)
         s->work[s->position[i]] = b[i];
     if (s->is_super)
-        solve_super(s);
+        solve_with_supernodes(s);
     else
-        solve_simplicial(s->simplicial, s->work);
+        solve_with_simplicial(s->simplicial, s->work);
     for (size_t i = 0; i < s->n; i++)
         b[i] = s->work[s->position[i]];
 }
 
-static const linsys_ops SOLVER_OPS = {solver_factor, NULL, NULL, solver_solve, solver_slot, solver_destroy};
+static const linsys_ops SOLVER_OPS = {
+    factor_sparse_matrix, NULL, NULL, solve_sparse_system, find_matrix_value_slot, destroy_sparse_solver};
 
 /* Builds s->matrix: the permuted pattern, rows ascending in every column. */
-static palp_status build_matrix(solver *s, const size_t *column, const int32_t *row) {
+static palp_status build_permuted_pattern(solver *s, const size_t *column, const int32_t *row) {
     size_t nz = column[s->n];
     s->matrix =
         cholmod_allocate_sparse(s->n, s->n, nz, 1, 1, s->supernodal ? -1 : 1, CHOLMOD_PATTERN, &s->common);
@@ -158,7 +159,7 @@ static palp_status build_matrix(solver *s, const size_t *column, const int32_t *
     for (size_t c = 0; c < s->n; c++)
         for (size_t k = column[c]; k < column[c + 1]; k++) {
             size_t i, j;
-            place(s, (size_t)row[k], c, &i, &j);
+            permuted_row_and_column(s, (size_t)row[k], c, &i, &j);
             ((int *)t->i)[k] = (int)i;
             ((int *)t->j)[k] = (int)j;
         }
@@ -171,7 +172,7 @@ static palp_status build_matrix(solver *s, const size_t *column, const int32_t *
     return PALP_OK;
 }
 
-static cholmod_factor *analyze(solver *s, int ordering, int supernodal) {
+static cholmod_factor *analyze_sparse_pattern(solver *s, int ordering, int supernodal) {
     s->common.nmethods = 1;
     s->common.method[0].ordering = ordering;
     s->common.postorder = ordering != CHOLMOD_NATURAL;
@@ -180,37 +181,38 @@ static cholmod_factor *analyze(solver *s, int ordering, int supernodal) {
 }
 
 /* Finds the permutation of the natural pattern and builds the permuted matrix. */
-static palp_status order(solver *s, const size_t *column, const int32_t *row) {
+static palp_status find_fill_reducing_order(solver *s, const size_t *column, const int32_t *row) {
     for (size_t i = 0; i < s->n; i++)
         s->position[i] = (int32_t)i;
-    palp_status status = build_matrix(s, column, row);
+    palp_status status = build_permuted_pattern(s, column, row);
     if (status)
         return status;
-    cholmod_factor *f = analyze(s, CHOLMOD_AMD, s->supernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL);
+    cholmod_factor *f =
+        analyze_sparse_pattern(s, CHOLMOD_AMD, s->supernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL);
     if (!f)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < s->n; i++)
         s->position[((int *)f->Perm)[i]] = (int32_t)i;
     cholmod_free_factor(&f, &s->common);
     cholmod_free_sparse(&s->matrix, &s->common);
-    return build_matrix(s, column, row);
+    return build_permuted_pattern(s, column, row);
 }
 
-static palp_status prepare(solver *s, const size_t *column, const int32_t *row) {
+static palp_status prepare_sparse_solver(solver *s, const size_t *column, const int32_t *row) {
     size_t nz = column[s->n];
     s->position = malloc((s->n + 1) * sizeof *s->position);
     s->work = malloc((s->n + 1) * sizeof *s->work);
     s->values = calloc(nz + 1, sizeof *s->values);
     if (!s->position || !s->work || !s->values)
         return PALP_ERR_NO_MEMORY;
-    palp_status status = order(s, column, row);
+    palp_status status = find_fill_reducing_order(s, column, row);
     if (status)
         return status;
     s->matrix->x = s->values;
     s->matrix->xtype = CHOLMOD_REAL;
-    if (s->supernodal && !(s->super = analyze(s, CHOLMOD_NATURAL, CHOLMOD_SUPERNODAL)))
+    if (s->supernodal && !(s->super = analyze_sparse_pattern(s, CHOLMOD_NATURAL, CHOLMOD_SUPERNODAL)))
         return PALP_ERR_NO_MEMORY;
-    s->simplicial = analyze(s, CHOLMOD_NATURAL, CHOLMOD_SIMPLICIAL);
+    s->simplicial = analyze_sparse_pattern(s, CHOLMOD_NATURAL, CHOLMOD_SIMPLICIAL);
     return s->simplicial ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
@@ -231,9 +233,9 @@ palp_status linsys_cholmod_make(bool supernodal, size_t n, const size_t *column,
     s->common.print = 0;
     s->common.final_ll = 0;
     s->common.quick_return_if_not_posdef = supernodal;
-    palp_status status = s->started ? prepare(s, column, row) : PALP_ERR_NO_MEMORY;
+    palp_status status = s->started ? prepare_sparse_solver(s, column, row) : PALP_ERR_NO_MEMORY;
     if (status) {
-        solver_destroy(s);
+        destroy_sparse_solver(s);
         return status;
     }
     *made = (linsys_made){s, &SOLVER_OPS, s->values, column[n], s->common.fl};

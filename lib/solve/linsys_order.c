@@ -9,7 +9,7 @@ typedef struct graph {
     int32_t *list;
 } graph;
 
-static bool graph_make(size_t n, const size_t *column, const int32_t *row, graph *g) {
+static bool build_adjacency_graph(size_t n, const size_t *column, const int32_t *row, graph *g) {
     g->n = n;
     g->first = calloc(n + 2, sizeof *g->first);
     g->list = malloc((2 * column[n] + 1) * sizeof *g->list);
@@ -35,12 +35,12 @@ static bool graph_make(size_t n, const size_t *column, const int32_t *row, graph
     return true;
 }
 
-static size_t degree(const graph *g, int32_t i) {
+static size_t degree_of_node(const graph *g, int32_t i) {
     return g->first[i + 1] - g->first[i];
 }
 
 /* Appends what is reachable from start to order[count], breadth first, low degrees first. */
-static size_t sweep(const graph *g, int32_t start, bool *seen, int32_t *order, size_t count) {
+static size_t append_breadth_first(const graph *g, int32_t start, bool *seen, int32_t *order, size_t count) {
     size_t head = count;
     order[count++] = start;
     seen[start] = true;
@@ -52,7 +52,7 @@ static size_t sweep(const graph *g, int32_t start, bool *seen, int32_t *order, s
                 continue;
             seen[next] = true;
             size_t at = count++;
-            for (; at > from && degree(g, order[at - 1]) > degree(g, next); at--)
+            for (; at > from && degree_of_node(g, order[at - 1]) > degree_of_node(g, next); at--)
                 order[at] = order[at - 1];
             order[at] = next;
         }
@@ -61,19 +61,19 @@ static size_t sweep(const graph *g, int32_t start, bool *seen, int32_t *order, s
 }
 
 /* Starts each connected part at a remote node, found by two breadth-first searches. */
-static void number(const graph *g, bool *seen, int32_t *order) {
+static void number_connected_parts(const graph *g, bool *seen, int32_t *order) {
     enum { TRIES = 4 };
     size_t count = 0;
     for (size_t i = 0; i < g->n; i++) {
         int32_t start = (int32_t)i;
         for (int t = 0; t < TRIES && !seen[i]; t++) {
-            size_t end = sweep(g, start, seen, order, count);
+            size_t end = append_breadth_first(g, start, seen, order, count);
             start = order[end - 1];
             for (size_t k = count; k < end; k++)
                 seen[order[k]] = false;
         }
         if (!seen[i])
-            count = sweep(g, start, seen, order, count);
+            count = append_breadth_first(g, start, seen, order, count);
     }
 }
 
@@ -81,9 +81,10 @@ palp_status linsys_order(size_t n, const size_t *column, const int32_t *row, int
     graph g = {0};
     bool *seen = calloc(n + 1, sizeof *seen);
     int32_t *order = malloc((n + 1) * sizeof *order);
-    palp_status status = seen && order && graph_make(n, column, row, &g) ? PALP_OK : PALP_ERR_NO_MEMORY;
+    palp_status status =
+        seen && order && build_adjacency_graph(n, column, row, &g) ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status) {
-        number(&g, seen, order);
+        number_connected_parts(&g, seen, order);
         for (size_t i = 0; i < n; i++)
             position[order[i]] = (int32_t)(n - 1 - i);
     }

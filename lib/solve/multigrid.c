@@ -17,13 +17,13 @@ void multigrid_free(multigrid *mg) {
     free(mg);
 }
 
-static int ascending(const void *a, const void *b) {
+static int compare_node_indices(const void *a, const void *b) {
     int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
     return (x > y) - (x < y);
 }
 
 /* Allocates the numbers of a level whose pattern is known. */
-static palp_status level_allocate(arena *memory, mg_level *l, bool blocks) {
+static palp_status allocate_level_arrays(arena *memory, mg_level *l, bool blocks) {
     size_t entries = blocks ? l->first[l->n] / 2 : 0;
     l->low_first = arena_take(memory, l->n + 1, sizeof *l->low_first);
     l->middle = arena_take(memory, l->n, sizeof *l->middle);
@@ -47,7 +47,7 @@ static palp_status level_allocate(arena *memory, mg_level *l, bool blocks) {
 }
 
 /* Sorts the elements by lower node; within one node they keep the caller's order. */
-static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
+static palp_status sort_elements_by_low_node(multigrid *mg, const int32_t *pair) {
     uint32_t *after = mg->after = arena_take(&mg->memory, mg->n_nodes + 2, sizeof *after);
     mg->place = arena_take(&mg->memory, mg->n_elements, sizeof *mg->place);
     mg->high = arena_take(&mg->memory, mg->n_elements, sizeof *mg->high);
@@ -75,7 +75,7 @@ static palp_status sort_elements(multigrid *mg, const int32_t *pair) {
 }
 
 /* The finest level: the entries of a row are the elements of its node. */
-static palp_status make_finest(multigrid *mg, const int32_t *dof) {
+static palp_status create_finest_level(multigrid *mg, const int32_t *dof) {
     mg_level *l = &mg->level[0];
     l->n = mg->n_nodes;
     l->first = arena_take(&mg->memory, l->n + 2, sizeof *l->first);
@@ -100,17 +100,18 @@ static palp_status make_finest(multigrid *mg, const int32_t *dof) {
             l->column[l->first[mg->high[e] + 1]++] = (int32_t)i;
         }
     for (size_t i = 0; i < l->n; i++)
-        qsort(l->column + l->first[i], l->first[i + 1] - l->first[i], sizeof *l->column, ascending);
+        qsort(l->column + l->first[i], l->first[i + 1] - l->first[i], sizeof *l->column,
+              compare_node_indices);
     for (size_t i = 0; i < l->n; i++)
         for (uint32_t e = mg->after[i]; e < mg->after[i + 1]; e++)
             mg->through[multigrid_entry(l, (int32_t)i, mg->high[e])] =
                 mg->through[multigrid_entry(l, mg->high[e], (int32_t)i)] = e;
-    return level_allocate(&mg->memory, l, false);
+    return allocate_level_arrays(&mg->memory, l, false);
 }
 
 /* Coarse nodes: no two are neighbours, and every other node has one as a neighbour. number[n]: coarse number,
  * or -1. On a lattice these are every second node along each axis. */
-static size_t choose_coarse(const mg_level *l, int32_t *number) {
+static size_t choose_coarse_nodes(const mg_level *l, int32_t *number) {
     size_t n = 0;
     for (size_t i = 0; i < l->n; i++)
         number[i] = 0;
@@ -126,7 +127,7 @@ static size_t choose_coarse(const mg_level *l, int32_t *number) {
 
 /* Minimises w' (D D' + 0.05 |d|^2) w with sum w = 1. This interpolates the node's position from those it
  * follows, at distances d. */
-static void mean_weights(size_t n, double (*d)[3], double *w) {
+static void fit_interpolation_weights(size_t n, double (*d)[3], double *w) {
     double a[FOLLOWED_MAX * FOLLOWED_MAX], sum = 0.0;
     for (size_t i = 0; i < n; i++) {
         for (size_t j = 0; j <= i; j++)
@@ -144,7 +145,7 @@ static void mean_weights(size_t n, double (*d)[3], double *w) {
 
 /* Interpolation of each node: the coarse nodes it follows and their weights. x[3 n]: positions of this
  * level's nodes. */
-static palp_status make_weights(arena *memory, mg_level *l, const int32_t *number, const double *x) {
+static palp_status create_interpolation(arena *memory, mg_level *l, const int32_t *number, const double *x) {
     l->up_first = arena_take(memory, l->n + 1, sizeof *l->up_first);
     l->up = arena_take(memory, l->first[l->n] + l->n, sizeof *l->up);
     l->weight = arena_take(memory, l->first[l->n] + l->n, sizeof *l->weight);
@@ -165,7 +166,7 @@ static palp_status make_weights(arena *memory, mg_level *l, const int32_t *numbe
             l->up[at + n++] = number[j];
         }
         if (n > 1)
-            mean_weights(n, d, w);
+            fit_interpolation_weights(n, d, w);
         for (size_t k = 0; k < n; k++)
             l->weight[at++] = (float)w[k];
         l->up_first[i + 1] = at;
@@ -174,8 +175,8 @@ static palp_status make_weights(arena *memory, mg_level *l, const int32_t *numbe
 }
 
 /* Followers of each coarse node: list[first[i]] to list[first[i + 1]]. */
-static palp_status followers(arena *scratch, const mg_level *l, size_t n_coarse, uint32_t **first,
-                             int32_t **list) {
+static palp_status list_coarse_followers(arena *scratch, const mg_level *l, size_t n_coarse, uint32_t **first,
+                                         int32_t **list) {
     uint32_t *f = *first = arena_take(scratch, n_coarse + 2, sizeof *f);
     int32_t *out = *list = arena_take(scratch, l->up_first[l->n], sizeof *out);
     if (scratch->failed)
@@ -191,8 +192,8 @@ static palp_status followers(arena *scratch, const mg_level *l, size_t n_coarse,
 }
 
 /* Adds to a row's columns whom node j follows, each once. */
-static uint32_t add_followed(const mg_level *fine, int32_t j, int32_t self, int32_t *mark, int32_t *column,
-                             uint32_t at) {
+static uint32_t append_followed_columns(const mg_level *fine, int32_t j, int32_t self, int32_t *mark,
+                                        int32_t *column, uint32_t at) {
     for (uint32_t k = fine->up_first[j]; k < fine->up_first[j + 1]; k++) {
         int32_t c = fine->up[k];
         if (mark[c] == self)
@@ -206,8 +207,8 @@ static uint32_t add_followed(const mg_level *fine, int32_t j, int32_t self, int3
 }
 
 /* Pattern of P' A P; with column NULL it is only counted. */
-static void coarse_pattern(const mg_level *fine, mg_level *l, const uint32_t *first, const int32_t *list,
-                           int32_t *mark) {
+static void fill_coarse_pattern(const mg_level *fine, mg_level *l, const uint32_t *first, const int32_t *list,
+                                int32_t *mark) {
     for (size_t i = 0; i < l->n; i++)
         mark[i] = -1;
     uint32_t at = 0;
@@ -217,43 +218,43 @@ static void coarse_pattern(const mg_level *fine, mg_level *l, const uint32_t *fi
         mark[i] = self;
         for (uint32_t f = first[i]; f < first[i + 1]; f++) {
             int32_t row = list[f];
-            at = add_followed(fine, row, self, mark, l->column, at);
+            at = append_followed_columns(fine, row, self, mark, l->column, at);
             for (uint32_t k = fine->first[row]; k < fine->first[row + 1]; k++)
-                at = add_followed(fine, fine->column[k], self, mark, l->column, at);
+                at = append_followed_columns(fine, fine->column[k], self, mark, l->column, at);
         }
         if (l->column)
-            qsort(l->column + l->first[i], at - l->first[i], sizeof *l->column, ascending);
+            qsort(l->column + l->first[i], at - l->first[i], sizeof *l->column, compare_node_indices);
     }
     l->first[l->n] = at;
 }
 
-static palp_status make_coarse(arena *memory, mg_level *fine, mg_level *l, const int32_t *number,
-                               size_t n_coarse) {
+static palp_status create_coarse_pattern(arena *memory, mg_level *fine, mg_level *l, const int32_t *number,
+                                         size_t n_coarse) {
     arena scratch = {NULL, false};
     uint32_t *first;
     int32_t *list, *mark = arena_take(&scratch, n_coarse, sizeof *mark);
     l->n = n_coarse;
     l->first = arena_take(memory, n_coarse + 1, sizeof *l->first);
     l->axes = arena_take(memory, n_coarse, sizeof *l->axes);
-    palp_status status = followers(&scratch, fine, n_coarse, &first, &list);
+    palp_status status = list_coarse_followers(&scratch, fine, n_coarse, &first, &list);
     if (!status && !memory->failed) {
-        coarse_pattern(fine, l, first, list, mark);
+        fill_coarse_pattern(fine, l, first, list, mark);
         l->column = arena_take(memory, l->first[l->n], sizeof *l->column);
     }
     if (memory->failed)
         status = PALP_ERR_NO_MEMORY;
     if (!status) {
-        coarse_pattern(fine, l, first, list, mark);
+        fill_coarse_pattern(fine, l, first, list, mark);
         for (size_t i = 0; i < fine->n; i++)
             if (number[i] >= 0)
                 l->axes[number[i]] = fine->axes[i];
-        status = level_allocate(memory, l, true);
+        status = allocate_level_arrays(memory, l, true);
     }
     arena_free(&scratch);
     return status;
 }
 
-static size_t unknowns(const mg_level *l) {
+static size_t count_unknowns_of_level(const mg_level *l) {
     size_t n = 0;
     for (size_t i = 0; i < 3 * l->n; i++)
         n += l->axes[i / 3] >> i % 3 & 1U;
@@ -262,17 +263,19 @@ static size_t unknowns(const mg_level *l) {
 
 /* With more than direct unknowns: adds coarser levels until the factor is cheap or no unknowns are saved. x[3
  * n_nodes] is overwritten. */
-static palp_status make_levels(multigrid *mg, size_t direct, double *x, int32_t *number) {
-    const size_t coarsest = unknowns(&mg->level[0]) > direct && direct > COARSEST ? COARSEST : direct;
+static palp_status create_coarser_levels(multigrid *mg, size_t direct, double *x, int32_t *number) {
+    const size_t coarsest =
+        count_unknowns_of_level(&mg->level[0]) > direct && direct > COARSEST ? COARSEST : direct;
     mg->n_levels = 1;
-    while (mg->n_levels < MULTIGRID_LEVELS && unknowns(&mg->level[mg->n_levels - 1]) > coarsest) {
+    while (mg->n_levels < MULTIGRID_LEVELS &&
+           count_unknowns_of_level(&mg->level[mg->n_levels - 1]) > coarsest) {
         mg_level *fine = &mg->level[mg->n_levels - 1];
-        size_t n = choose_coarse(fine, number);
+        size_t n = choose_coarse_nodes(fine, number);
         if (n > fine->n * 3 / 4)
             break;
-        palp_status status = make_weights(&mg->memory, fine, number, x);
+        palp_status status = create_interpolation(&mg->memory, fine, number, x);
         if (!status)
-            status = make_coarse(&mg->memory, fine, fine + 1, number, n);
+            status = create_coarse_pattern(&mg->memory, fine, fine + 1, number, n);
         if (status)
             return status;
         for (size_t i = 0; i < fine->n; i++)
@@ -284,7 +287,7 @@ static palp_status make_levels(multigrid *mg, size_t direct, double *x, int32_t 
 }
 
 /* Lower triangle of the coarsest level by columns; only counts if row is NULL. */
-static void direct_pattern(const multigrid *mg, const mg_level *l, size_t *column, int32_t *row) {
+static void fill_coarsest_pattern(const multigrid *mg, const mg_level *l, size_t *column, int32_t *row) {
     size_t nz = 0;
     for (size_t c = 0; c < 3 * l->n; c++) {
         if (mg->dof[c] < 0)
@@ -304,7 +307,7 @@ static void direct_pattern(const multigrid *mg, const mg_level *l, size_t *colum
     column[mg->n_direct] = nz;
 }
 
-static palp_status make_direct(multigrid *mg) {
+static palp_status create_coarsest_solver(multigrid *mg) {
     const mg_level *l = &mg->level[mg->n_levels - 1];
     arena scratch = {NULL, false};
     int32_t *row = NULL;
@@ -314,13 +317,13 @@ static palp_status make_direct(multigrid *mg) {
     for (size_t i = 0; i < 3 * l->n && !status; i++)
         mg->dof[i] = l->axes[i / 3] >> i % 3 & 1U ? (int32_t)mg->n_direct++ : -1;
     if (!status) {
-        direct_pattern(mg, l, column, NULL);
+        fill_coarsest_pattern(mg, l, column, NULL);
         row = arena_take(&scratch, column[mg->n_direct], sizeof *row);
         mg->rhs = arena_take(&mg->memory, mg->n_direct, sizeof *mg->rhs);
         status = row && mg->rhs ? PALP_OK : PALP_ERR_NO_MEMORY;
     }
     if (!status) {
-        direct_pattern(mg, l, column, row);
+        fill_coarsest_pattern(mg, l, column, row);
         for (size_t k = 0; k < 2 && !status; k++)
             status = linsys_create(PALP_SOLVER_BAND, mg->n_direct, column, row, &mg->factor[k]);
     }
@@ -328,7 +331,7 @@ static palp_status make_direct(multigrid *mg) {
     return status;
 }
 
-static palp_status make_work(multigrid *mg) {
+static palp_status allocate_work_arrays(multigrid *mg) {
     arena *memory = &mg->memory;
     for (size_t k = 0; k < 2; k++) {
         mg->element[k] = arena_take(memory, mg->n_floats, sizeof *mg->element[k]);
@@ -361,18 +364,18 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
         memcpy(x, rest, 3 * n_nodes * sizeof *x);
         for (size_t i = 0; i < 3 * n_nodes; i++)
             mg->origin[i % 3] += rest[i] / (double)n_nodes;
-        status = sort_elements(mg, pair);
+        status = sort_elements_by_low_node(mg, pair);
     }
     if (!status)
-        status = make_finest(mg, dof);
+        status = create_finest_level(mg, dof);
     if (!status)
-        status = make_levels(mg, direct, x, number);
+        status = create_coarser_levels(mg, direct, x, number);
     if (!status)
         status = multigrid_make_products(mg);
     if (!status)
-        status = make_direct(mg);
+        status = create_coarsest_solver(mg);
     if (!status)
-        status = make_work(mg);
+        status = allocate_work_arrays(mg);
     free(x);
     free(number);
     if (status)
@@ -382,14 +385,14 @@ palp_status multigrid_create(size_t n_nodes, const double *rest, const int32_t *
     return status;
 }
 
-static multigrid_source source_of(multigrid *mg, int set) {
+static multigrid_source source_arrays_of_set(multigrid *mg, int set) {
     return (multigrid_source){mg->element[set], mg->place,         mg->spacing,           mg->n_floats,
                               mg->node[set],    mg->coupling[set], &mg->n_couplings[set], mg->between[set],
                               mg->beside[set],  mg->n_between,     mg->n_beside};
 }
 
 multigrid_source multigrid_input(multigrid *mg) {
-    return source_of(mg, 1 - mg->used);
+    return source_arrays_of_set(mg, 1 - mg->used);
 }
 
 void multigrid_place_nodes(const multigrid *mg, const double *x, float *element) {
@@ -407,7 +410,7 @@ float *multigrid_exchange(multigrid *mg, float *element) {
 }
 
 multigrid_source multigrid_used(multigrid *mg) {
-    return source_of(mg, mg->used);
+    return source_arrays_of_set(mg, mg->used);
 }
 
 size_t multigrid_levels(const multigrid *mg) {

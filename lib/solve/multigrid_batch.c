@@ -18,7 +18,7 @@ typedef struct parallel {
     uint32_t k;
 } parallel;
 
-static int compare(const void *a, const void *b) {
+static int compare_parallel_elements(const void *a, const void *b) {
     const parallel *p = a, *q = b;
     if (p->stretch != q->stretch)
         return p->stretch < q->stretch ? -1 : 1;
@@ -29,18 +29,18 @@ static int compare(const void *a, const void *b) {
     return (p->k > q->k) - (p->k < q->k);
 }
 
-static parallel *sorted(const multigrid *mg) {
+static parallel *sort_parallel_elements(const multigrid *mg) {
     parallel *p = malloc((mg->n_elements + 1) * sizeof *p);
     for (size_t i = 0; i < mg->n_nodes && p; i++)
         for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++)
             p[k] = (parallel){(int32_t)i / STRETCH, mg->high[k] - (int32_t)i, (int32_t)i, k};
     if (p)
-        qsort(p, mg->n_elements, sizeof *p, compare);
+        qsort(p, mg->n_elements, sizeof *p, compare_parallel_elements);
     return p;
 }
 
 /* Forms batches of sorted elements; returns their number, and lists them unless batch is NULL. */
-static size_t fill(multigrid *mg, const parallel *p, int32_t *batch) {
+static size_t list_element_batches(multigrid *mg, const parallel *p, int32_t *batch) {
     size_t n = 0;
     int32_t start = 0;
     for (size_t i = 0; i < mg->n_elements; i++) {
@@ -60,16 +60,16 @@ static size_t fill(multigrid *mg, const parallel *p, int32_t *batch) {
 }
 
 palp_status multigrid_make_batches(multigrid *mg) {
-    parallel *p = sorted(mg);
+    parallel *p = sort_parallel_elements(mg);
     if (!p)
         return PALP_ERR_NO_MEMORY;
-    size_t n = fill(mg, p, NULL);
+    size_t n = list_element_batches(mg, p, NULL);
     if ((double)(n * MULTIGRID_BATCH) <= SPARSE * (double)mg->n_elements) {
         mg->n_batches = n;
         mg->batch = arena_take(&mg->memory, 2 * n, sizeof *mg->batch);
         mg->straight = arena_take(&mg->memory, 6 * multigrid_stride(mg), sizeof *mg->straight);
         if (!mg->memory.failed)
-            fill(mg, p, mg->batch);
+            list_element_batches(mg, p, mg->batch);
     }
     free(p);
     return mg->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
@@ -85,8 +85,8 @@ typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float)))
 /* out -= the batches' part of the tangent times x. Both are by axis, [3 stride], as are the nodes'
  * positions. */
 PALP_CLONES
-static void batches_times(size_t n, const int32_t *batch, const float *element, const float *place,
-                          size_t stride, const float *x, float *out) {
+static void multiply_element_batches(size_t n, const int32_t *batch, const float *element, const float *place,
+                                     size_t stride, const float *x, float *out) {
     const float *x1 = x + stride, *x2 = x1 + stride, *place1 = place + stride, *place2 = place1 + stride;
     float *out1 = out + stride, *out2 = out1 + stride;
     for (size_t i = 0; i < n; i++) {
@@ -107,11 +107,12 @@ static void batches_times(size_t n, const int32_t *batch, const float *element, 
     }
 }
 
-static void times(multigrid *mg, const float *element) {
+static void multiply_all_batches(multigrid *mg, const float *element) {
     const size_t stride = multigrid_stride(mg);
     float *out = mg->straight + 3 * stride;
     memset(out, 0, 3 * stride * sizeof *out);
-    batches_times(mg->n_batches, mg->batch, element, element + mg->nodes, stride, mg->straight, out);
+    multiply_element_batches(mg->n_batches, mg->batch, element, element + mg->nodes, stride, mg->straight,
+                             out);
 }
 
 void multigrid_batches_subtract(multigrid *mg, const float *element, const float *x, float *rest) {
@@ -120,7 +121,7 @@ void multigrid_batches_subtract(multigrid *mg, const float *element, const float
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
             in[c * stride + i] = x[4 * i + c];
-    times(mg, element);
+    multiply_all_batches(mg, element);
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
             rest[4 * i + c] += out[c * stride + i];
@@ -132,7 +133,7 @@ void multigrid_batches_times(multigrid *mg, const float *element, const double *
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
             in[c * stride + i] = (float)x[3 * i + c];
-    times(mg, element);
+    multiply_all_batches(mg, element);
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
             out[3 * i + c] = (double)sum[c * stride + i];

@@ -21,12 +21,12 @@ void multigrid_clear_blocks(multigrid *mg) {
 }
 
 /* Distance between the nine numbers of an element's block, which is by rows. */
-static inline size_t apart(const multigrid *mg) {
+static inline size_t spacing_of_block_numbers(const multigrid *mg) {
     return mg->n_batches > 0 ? MULTIGRID_BATCH : 1;
 }
 
 /* Index of the first number of the k-th sorted element. */
-static inline size_t place_of(const multigrid *mg, uint32_t k) {
+static inline size_t place_of_element_block(const multigrid *mg, uint32_t k) {
     const size_t slot = mg->slot[k];
     return mg->n_batches > 0 ? slot / MULTIGRID_BATCH * (9 * MULTIGRID_BATCH) + slot % MULTIGRID_BATCH
                              : 9 * (size_t)k;
@@ -40,17 +40,18 @@ void multigrid_add_block(multigrid *mg, int32_t row, int32_t column, const doubl
             mg->beside[set][6 * (size_t)row + k] += (float)block[lower[k]];
         return;
     }
-    float *to = mg->between[set] + place_of(mg, mg->through[multigrid_entry(&mg->level[0], row, column)]);
+    float *to = mg->between[set] +
+                place_of_element_block(mg, mg->through[multigrid_entry(&mg->level[0], row, column)]);
     for (size_t k = 0; k < 9; k++)
-        to[k * apart(mg)] += (float)block[row < column ? k : 3 * (k % 3) + k / 3];
+        to[k * spacing_of_block_numbers(mg)] += (float)block[row < column ? k : 3 * (k % 3) + k / 3];
 }
 
 void multigrid_between(const multigrid *mg, int set, size_t i, size_t j, uint32_t k,
                        float block[BLOCK_FLOATS]) {
-    const float *from = mg->between[set] + place_of(mg, k);
+    const float *from = mg->between[set] + place_of_element_block(mg, k);
     for (size_t r = 0; r < 3; r++)
         for (size_t c = 0; c < 3; c++)
-            block[4 * c + r] = from[(i < j ? 3 * r + c : 3 * c + r) * apart(mg)];
+            block[4 * c + r] = from[(i < j ? 3 * r + c : 3 * c + r) * spacing_of_block_numbers(mg)];
     for (size_t c = 0; c < 3; c++)
         block[4 * c + 3] = 0.0F;
 }
@@ -62,8 +63,8 @@ typedef float eight __attribute__((vector_size(MULTIGRID_BATCH * sizeof(float)))
 
 /* out -= blocks between nodes times x, by axis. */
 PALP_CLONES
-static void batches_subtract(size_t n, const int32_t *batch, const float *between, size_t stride,
-                             const float *x, float *out) {
+static void subtract_batch_products(size_t n, const int32_t *batch, const float *between, size_t stride,
+                                    const float *x, float *out) {
     enum { B = MULTIGRID_BATCH };
     const float *x1 = x + stride, *x2 = x1 + stride;
     float *out1 = out + stride, *out2 = out1 + stride;
@@ -87,10 +88,10 @@ static void batches_subtract(size_t n, const int32_t *batch, const float *betwee
 }
 
 /* The same for single elements, four numbers a node. */
-static void elements_subtract(const multigrid *mg, const float *x, float *rest) {
+static void subtract_element_products(const multigrid *mg, const float *x, float *rest) {
     for (size_t i = 0; i < mg->n_nodes; i++)
         for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
-            const float *b = mg->between[mg->used] + place_of(mg, k), *u = x + 4 * i,
+            const float *b = mg->between[mg->used] + place_of_element_block(mg, k), *u = x + 4 * i,
                         *v = x + 4 * (size_t)mg->high[k];
             float *low = rest + 4 * i, *high = rest + 4 * (size_t)mg->high[k];
             for (size_t c = 0; c < 3; c++) {
@@ -101,7 +102,7 @@ static void elements_subtract(const multigrid *mg, const float *x, float *rest) 
 }
 
 /* sum -= own block s times x */
-static inline void subtract_own(const float *s, const float *x, float *sum) {
+static inline void subtract_own_block_product(const float *s, const float *x, float *sum) {
     sum[0] -= s[0] * x[0] + s[1] * x[1] + s[3] * x[2];
     sum[1] -= s[1] * x[0] + s[2] * x[1] + s[4] * x[2];
     sum[2] -= s[3] * x[0] + s[4] * x[1] + s[5] * x[2];
@@ -111,9 +112,9 @@ void multigrid_between_subtract(multigrid *mg, const float *x, float *rest) {
     const size_t n = mg->n_nodes, stride = multigrid_stride(mg);
     float *in = mg->straight, *out = in + 3 * stride;
     for (size_t i = 0; i < n; i++)
-        subtract_own(mg->beside[mg->used] + 6 * i, x + 4 * i, rest + 4 * i);
+        subtract_own_block_product(mg->beside[mg->used] + 6 * i, x + 4 * i, rest + 4 * i);
     if (mg->n_batches == 0) {
-        elements_subtract(mg, x, rest);
+        subtract_element_products(mg, x, rest);
         return;
     }
     for (size_t i = 0; i < n; i++)
@@ -121,7 +122,7 @@ void multigrid_between_subtract(multigrid *mg, const float *x, float *rest) {
             in[c * stride + i] = x[4 * i + c];
             out[c * stride + i] = 0.0F;
         }
-    batches_subtract(mg->n_batches, mg->batch, mg->between[mg->used], stride, in, out);
+    subtract_batch_products(mg->n_batches, mg->batch, mg->between[mg->used], stride, in, out);
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
             rest[4 * i + c] += out[c * stride + i];

@@ -15,19 +15,19 @@ static const double FILL_WORK = 14.0;   /* adding a block to a factor's values *
 
 static const float STIFF = 0.2F; /* share of a node's own block above which contacts put it into the patch */
 
-static int made(const multigrid *mg) {
+static int set_being_made(const multigrid *mg) {
     return 1 - mg->used;
 }
 
 /* Does the pattern have an entry for this coupling? */
-static bool joined(const multigrid *mg, const multigrid_coupling *c) {
+static bool has_coupling_an_entry(const multigrid *mg, const multigrid_coupling *c) {
     const mg_level *l = &mg->level[0];
     return l->first[c->low] < l->first[c->low + 1] &&
            l->column[multigrid_entry(l, c->low, c->high)] == c->high;
 }
 
 void multigrid_begin(multigrid *mg, bool definite) {
-    const int set = made(mg);
+    const int set = set_being_made(mg);
     mg->definite[set] = definite;
     mg->stage = MG_CLEAR;
     mg->at_level = mg->at = 0;
@@ -35,7 +35,7 @@ void multigrid_begin(multigrid *mg, bool definite) {
         mg->coupled[i] = -1;
     for (int32_t k = 0; k < mg->n_couplings[set]; k++) {
         multigrid_coupling *c = &mg->coupling[set][k];
-        if (!joined(mg, c))
+        if (!has_coupling_an_entry(mg, c))
             continue;
         c->next = mg->coupled[c->low];
         mg->coupled[c->low] = k;
@@ -43,7 +43,7 @@ void multigrid_begin(multigrid *mg, bool definite) {
 }
 
 /* b (three columns of four) += factor times the symmetric s (lower triangle by rows), free axes only. */
-static void add_block(float *b, const float s[6], float factor, unsigned row, unsigned column) {
+static void add_symmetric_block(float *b, const float s[6], float factor, unsigned row, unsigned column) {
     static const int at[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
     for (unsigned c = 0; c < 3; c++)
         for (unsigned r = 0; r < 3; r++)
@@ -51,16 +51,16 @@ static void add_block(float *b, const float s[6], float factor, unsigned row, un
                 b[4 * c + r] += factor * s[at[r][c]];
 }
 
-static void clear(multigrid *mg, size_t level, size_t i) {
+static void clear_blocks_of_row(multigrid *mg, size_t level, size_t i) {
     mg_level *l = &mg->level[level];
-    memset(l->own[made(mg)] + BLOCK_FLOATS * i, 0, BLOCK_FLOATS * sizeof(float));
+    memset(l->own[set_being_made(mg)] + BLOCK_FLOATS * i, 0, BLOCK_FLOATS * sizeof(float));
     if (level > 0)
-        memset(l->block[made(mg)] + multigrid_low(l, i, l->first[i]), 0,
+        memset(l->block[set_being_made(mg)] + multigrid_low(l, i, l->first[i]), 0,
                BLOCK_FLOATS * (l->middle[i] - l->first[i]) * sizeof(float));
 }
 
 /* Lower triangle by rows of along d d' + across 1. */
-static void element_block(const float *e, float s[6]) {
+static void lower_block_of_element(const float *e, float s[6]) {
     float p0 = e[3] * e[0], p1 = e[3] * e[1];
     s[0] = p0 * e[0] + e[4];
     s[1] = p0 * e[1];
@@ -71,40 +71,42 @@ static void element_block(const float *e, float s[6]) {
 }
 
 /* Adds the elements from node i to higher ones to the own blocks of both ends. */
-static void add_elements(multigrid *mg, size_t i) {
+static void add_elements_of_node(multigrid *mg, size_t i) {
     mg_level *l = &mg->level[0];
     for (uint32_t k = mg->after[i]; k < mg->after[i + 1]; k++) {
-        float *stored = mg->element[made(mg)] + mg->slot[k], e[5], s[6];
+        float *stored = mg->element[set_being_made(mg)] + mg->slot[k], e[5], s[6];
         const int32_t j = mg->high[k];
-        multigrid_element(mg, mg->element[made(mg)], i, k, e);
-        if (mg->definite[made(mg)]) { /* leaves out compression, and a negative stiffness along the element */
+        multigrid_element(mg, mg->element[set_being_made(mg)], i, k, e);
+        if (mg->definite[set_being_made(
+                mg)]) { /* leaves out compression, and a negative stiffness along the element */
             const float square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
             stored[mg->spacing] = e[4] = e[4] > 0.0F ? e[4] : 0.0F;
             stored[0] = e[3] = e[3] * square + e[4] > 0.0F ? e[3] : -e[4] / square;
         }
-        element_block(e, s);
-        add_block(l->own[made(mg)] + BLOCK_FLOATS * i, s, 1.0F, l->axes[i], l->axes[i]);
-        add_block(l->own[made(mg)] + BLOCK_FLOATS * j, s, 1.0F, l->axes[j], l->axes[j]);
+        lower_block_of_element(e, s);
+        add_symmetric_block(l->own[set_being_made(mg)] + BLOCK_FLOATS * i, s, 1.0F, l->axes[i], l->axes[i]);
+        add_symmetric_block(l->own[set_being_made(mg)] + BLOCK_FLOATS * j, s, 1.0F, l->axes[j], l->axes[j]);
     }
 }
 
-static void add_node(multigrid *mg, size_t i) {
+static void add_own_block_of_node(multigrid *mg, size_t i) {
     mg_level *l = &mg->level[0];
-    add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->node[made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
-    if (multigrid_has_between(mg, made(mg)))
-        add_block(l->own[made(mg)] + BLOCK_FLOATS * i, mg->beside[made(mg)] + 6 * i, 1.0F, l->axes[i],
-                  l->axes[i]);
+    add_symmetric_block(l->own[set_being_made(mg)] + BLOCK_FLOATS * i, mg->node[set_being_made(mg)] + 6 * i,
+                        1.0F, l->axes[i], l->axes[i]);
+    if (multigrid_has_between(mg, set_being_made(mg)))
+        add_symmetric_block(l->own[set_being_made(mg)] + BLOCK_FLOATS * i,
+                            mg->beside[set_being_made(mg)] + 6 * i, 1.0F, l->axes[i], l->axes[i]);
 }
 
 /* Clears what is not between free axes in a block. */
-static void mask(float *b, unsigned row, unsigned column) {
+static void clear_fixed_axes_of_block(float *b, unsigned row, unsigned column) {
     for (unsigned c = 0; c < 3 && (row & column) != 7U; c++)
         for (unsigned r = 0; r < 3; r++)
             b[4 * c + r] = row >> r & column >> c & 1U ? b[4 * c + r] : 0.0F;
 }
 
 /* Inverse of the free part of own block b of row i. False, and unchanged, if not positive definite. */
-static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
+static bool invert_free_diagonal_block(mg_level *l, int set, size_t i, const float *b) {
     float *inverse = l->inverse[set] + BLOCK_FLOATS * i;
     double a[3][3];
     for (unsigned r = 0; r < 3; r++)
@@ -132,23 +134,23 @@ static bool invert_block(mg_level *l, int set, size_t i, const float *b) {
 static void block_of_sweep(const multigrid *mg, const mg_level *l, int set, size_t i, float *b) {
     memcpy(b, l->own[set] + BLOCK_FLOATS * i, BLOCK_FLOATS * sizeof *b);
     if (l == mg->level && mg->n_levels > 1 && multigrid_has_between(mg, set))
-        add_block(b, mg->beside[set] + 6 * i, 0.5F, l->axes[i], l->axes[i]);
+        add_symmetric_block(b, mg->beside[set] + 6 * i, 0.5F, l->axes[i], l->axes[i]);
 }
 
-static bool invert(multigrid *mg, mg_level *l, size_t i) {
-    const int set = made(mg);
+static bool invert_diagonal_of_row(multigrid *mg, mg_level *l, size_t i) {
+    const int set = set_being_made(mg);
     float b[BLOCK_FLOATS];
-    mask(l->own[set] + BLOCK_FLOATS * i, l->axes[i],
-         l->axes[i]); /* of a coarse row: its own block is a sum over its followers */
+    clear_fixed_axes_of_block(l->own[set] + BLOCK_FLOATS * i, l->axes[i],
+                              l->axes[i]); /* of a coarse row: its own block is a sum over its followers */
     for (uint32_t k = l->first[i]; l != mg->level && k < l->middle[i]; k++)
-        mask(l->block[set] + multigrid_low(l, i, k), l->axes[i], l->axes[l->column[k]]);
+        clear_fixed_axes_of_block(l->block[set] + multigrid_low(l, i, k), l->axes[i], l->axes[l->column[k]]);
     block_of_sweep(mg, l, set, i, b);
-    return invert_block(l, set, i, b);
+    return invert_free_diagonal_block(l, set, i, b);
 }
 
 /* Clears a row's share of the factor's values; returns work units. */
-static double clear_values(multigrid *mg, size_t i) {
-    linsys *ls = mg->factor[made(mg)];
+static double clear_share_of_values(multigrid *mg, size_t i) {
+    linsys *ls = mg->factor[set_being_made(mg)];
     const size_t n = mg->level[mg->n_levels - 1].n, count = linsys_value_count(ls), from = count * i / n,
                  to = count * (i + 1) / n;
     if (i == 0)
@@ -158,15 +160,16 @@ static double clear_values(multigrid *mg, size_t i) {
 }
 
 /* Adds row i of the coarsest level to the cleared values, lower triangle by columns; returns work units. */
-static double fill(multigrid *mg, size_t i) {
+static double fill_row_of_coarsest(multigrid *mg, size_t i) {
     const mg_level *l = &mg->level[mg->n_levels - 1];
-    linsys *ls = mg->factor[made(mg)];
+    linsys *ls = mg->factor[set_being_made(mg)];
     double *value = linsys_values(ls);
     float room[BLOCK_FLOATS];
     for (uint32_t k = l->first[i]; k <= l->middle[i]; k++) {
         const bool own = k == l->middle[i];
         const size_t j = own ? i : (size_t)l->column[k];
-        const float *b = own ? l->own[made(mg)] + BLOCK_FLOATS * i : multigrid_entry_block(mg, l, i, k, room);
+        const float *b =
+            own ? l->own[set_being_made(mg)] + BLOCK_FLOATS * i : multigrid_entry_block(mg, l, i, k, room);
         for (size_t r = 0; r < 3; r++)
             for (size_t c = 0; c < 3; c++) {
                 int32_t p = mg->dof[3 * i + r], q = mg->dof[3 * j + c];
@@ -177,14 +180,14 @@ static double fill(multigrid *mg, size_t i) {
     return FILL_WORK * (double)(l->middle[i] + 1 - l->first[i]);
 }
 
-static palp_status factor(multigrid *mg, double work, bool *done) {
+static palp_status advance_coarsest_factor(multigrid *mg, double work, bool *done) {
     int negative;
-    palp_status status = linsys_advance(mg->factor[made(mg)], work / FLOP_WORK, &negative, done);
+    palp_status status = linsys_advance(mg->factor[set_being_made(mg)], work / FLOP_WORK, &negative, done);
     return !status && *done && negative > 0 ? PALP_ERR_SINGULAR : status;
 }
 
 /* Goes to the next stage, or to the next level in the same stage. */
-static void go_on(multigrid *mg) {
+static void go_to_next_stage(multigrid *mg) {
     size_t last = mg->n_levels - 1;
     mg->at = 0;
     if (mg->stage == MG_CLEAR && mg->at_level < last)
@@ -201,22 +204,26 @@ static void go_on(multigrid *mg) {
 
 /* One item of the present stage. Returns work units, 0 if the stage is over, below 0 if not positive
  * definite. */
-static double item(multigrid *mg) {
+static double process_one_stage_item(multigrid *mg) {
     size_t i = mg->at++;
     mg_level *l = &mg->level[mg->at_level];
     switch (mg->stage) {
     case MG_CLEAR:
-        return i < l->n ? (clear(mg, mg->at_level, i), ROW_WORK) : 0.0;
+        return i < l->n ? (clear_blocks_of_row(mg, mg->at_level, i), ROW_WORK) : 0.0;
     case MG_ELEMENTS:
-        return i < l->n ? (add_elements(mg, i), ELEMENT_WORK * (1.0 + mg->after[i + 1] - mg->after[i])) : 0.0;
+        return i < l->n
+                   ? (add_elements_of_node(mg, i), ELEMENT_WORK * (1.0 + mg->after[i + 1] - mg->after[i]))
+                   : 0.0;
     case MG_NODES:
-        return i < mg->n_nodes ? (add_node(mg, i), ROW_WORK) : 0.0;
+        return i < mg->n_nodes ? (add_own_block_of_node(mg, i), ROW_WORK) : 0.0;
     case MG_INVERT:
-        return i < l->n ? (invert(mg, l, i) ? ROW_WORK : -1.0) : 0.0;
+        return i < l->n ? (invert_diagonal_of_row(mg, l, i) ? ROW_WORK : -1.0) : 0.0;
     case MG_COARSEN:
         return i < l->n ? ENTRY_WORK * (double)multigrid_coarsen(mg, mg->at_level, i) : 0.0;
     default:
-        return i < l->n ? clear_values(mg, i) : i < 2 * l->n ? fill(mg, i - l->n) : 0.0;
+        return i < l->n       ? clear_share_of_values(mg, i)
+               : i < 2 * l->n ? fill_row_of_coarsest(mg, i - l->n)
+                              : 0.0;
     }
 }
 
@@ -225,15 +232,15 @@ palp_status multigrid_advance(multigrid *mg, double work, bool *done) {
     *done = mg->stage == MG_DONE;
     while (work > 0.0 && !status && mg->stage != MG_DONE && mg->stage != MG_IDLE) {
         if (mg->stage == MG_FACTOR) {
-            status = factor(mg, work, done);
+            status = advance_coarsest_factor(mg, work, done);
             mg->stage = *done ? MG_DONE : MG_FACTOR;
             break;
         }
-        double spent = item(mg);
+        double spent = process_one_stage_item(mg);
         if (spent < 0.0)
             status = PALP_ERR_SINGULAR;
         else if (spent == 0.0)
-            go_on(mg);
+            go_to_next_stage(mg);
         work -= spent;
     }
     if (status)
@@ -242,7 +249,7 @@ palp_status multigrid_advance(multigrid *mg, double work, bool *done) {
 }
 
 /* Replaces the couplings of the set in use. */
-static void set_touching(multigrid *mg, size_t n, const multigrid_coupling *coupling) {
+static void replace_touching_couplings(multigrid *mg, size_t n, const multigrid_coupling *coupling) {
     for (int32_t k = 0; k < mg->n_touching; k++)
         mg->first_touching[mg->touching[k].low] = -1;
     memcpy(mg->touching, coupling, n * sizeof *coupling);
@@ -254,7 +261,7 @@ static void set_touching(multigrid *mg, size_t n, const multigrid_coupling *coup
 }
 
 /* Finds the nodes of the set in use that have couplings or stiff contacts. */
-static void find_patch(multigrid *mg) {
+static void find_patched_nodes(multigrid *mg) {
     const float *own = mg->level[0].own[mg->used], *touched = mg->touched;
     for (size_t i = 0; i < mg->n_nodes; i++, own += BLOCK_FLOATS, touched += 6)
         mg->patched[i] = touched[0] + touched[2] + touched[5] > STIFF * (own[0] + own[5] + own[10]);
@@ -270,7 +277,7 @@ void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigri
     mg_level *l = &mg->level[0];
     if (mg->n_levels == 1)
         return;
-    set_touching(mg, n, coupling);
+    replace_touching_couplings(mg, n, coupling);
     for (size_t i = 0; i < l->n; i++) {
         float *now = mg->touched + 6 * i, change[6], b[BLOCK_FLOATS];
         bool changed = false;
@@ -282,16 +289,16 @@ void multigrid_touch(multigrid *mg, const double *node, size_t n, const multigri
         if (!changed)
             continue;
         block_of_sweep(mg, l, mg->used, i, b);
-        add_block(b, change, 1.0F, l->axes[i], l->axes[i]);
-        invert_block(l, mg->used, i, b);
+        add_symmetric_block(b, change, 1.0F, l->axes[i], l->axes[i]);
+        invert_free_diagonal_block(l, mg->used, i, b);
     }
-    find_patch(mg);
+    find_patched_nodes(mg);
 }
 
 void multigrid_swap(multigrid *mg) {
-    mg->used = made(mg);
+    mg->used = set_being_made(mg);
     mg->stage = MG_IDLE;
     memcpy(mg->touched, mg->node[mg->used], 6 * mg->n_nodes * sizeof *mg->touched);
-    set_touching(mg, (size_t)mg->n_couplings[mg->used], mg->coupling[mg->used]);
-    find_patch(mg);
+    replace_touching_couplings(mg, (size_t)mg->n_couplings[mg->used], mg->coupling[mg->used]);
+    find_patched_nodes(mg);
 }

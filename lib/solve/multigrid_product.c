@@ -14,7 +14,7 @@ typedef struct places {
 } places;
 
 /* Finds positions for the nodes that node j follows, into local unless NULL; returns their number. */
-static size_t find_places(const mg_level *l, size_t j, places *p, uint16_t *local) {
+static size_t find_places_of_followed(const mg_level *l, size_t j, places *p, uint16_t *local) {
     const uint32_t first = l->up_first[j], n = l->up_first[j + 1] - first;
     for (uint32_t k = 0; k < n; k++) {
         const int32_t c = l->up[first + k];
@@ -29,29 +29,29 @@ static size_t find_places(const mg_level *l, size_t j, places *p, uint16_t *loca
 }
 
 /* Columns of row i, in the order in which they occur; returns the number of locals. */
-static size_t find_row(const mg_level *l, size_t i, places *p, uint16_t *local) {
+static size_t find_places_of_row(const mg_level *l, size_t i, places *p, uint16_t *local) {
     p->n = 0;
-    size_t n = find_places(l, i, p, local);
+    size_t n = find_places_of_followed(l, i, p, local);
     for (uint32_t k = l->first[i]; k < l->middle[i]; k++)
-        n += find_places(l, (size_t)l->column[k], p, local ? local + n : NULL);
+        n += find_places_of_followed(l, (size_t)l->column[k], p, local ? local + n : NULL);
     for (size_t k = 0; k < p->n; k++)
         p->mark[p->column[k]] = -1;
     return n;
 }
 
 /* Counts a level's locals and targets, and the longest row. */
-static size_t count(const mg_level *l, places *p, size_t *locals, size_t *targets) {
+static size_t count_locals_and_targets(const mg_level *l, places *p, size_t *locals, size_t *targets) {
     size_t longest = 0;
     *locals = *targets = 0;
     for (size_t i = 0; i < l->n; i++) {
-        *locals += find_row(l, i, p, NULL);
+        *locals += find_places_of_row(l, i, p, NULL);
         *targets += (l->up_first[i + 1] - l->up_first[i]) * p->n;
         longest = p->n > longest ? p->n : longest;
     }
     return longest;
 }
 
-static uint32_t find_target(const mg_level *coarse, int32_t row, int32_t column) {
+static uint32_t find_target_block(const mg_level *coarse, int32_t row, int32_t column) {
     if (row == column)
         return OWN;
     const int32_t low = row < column ? row : column, high = row < column ? column : row;
@@ -59,28 +59,29 @@ static uint32_t find_target(const mg_level *coarse, int32_t row, int32_t column)
            (row < column ? TURNED : 0);
 }
 
-static void list(mg_level *l, const mg_level *coarse, places *p) {
+static void list_locals_and_targets(mg_level *l, const mg_level *coarse, places *p) {
     uint32_t local = 0, target = 0;
     for (size_t i = 0; i < l->n; i++) {
         l->local_first[i] = local;
         l->target_first[i] = target;
-        local += (uint32_t)find_row(l, i, p, l->local + local);
+        local += (uint32_t)find_places_of_row(l, i, p, l->local + local);
         for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
             for (size_t j = 0; j < p->n; j++)
-                l->target[target++] = find_target(coarse, l->up[k], p->column[j]);
+                l->target[target++] = find_target_block(coarse, l->up[k], p->column[j]);
     }
     l->local_first[l->n] = local;
     l->target_first[l->n] = target;
 }
 
-static palp_status make_product(arena *memory, mg_level *l, const mg_level *coarse, size_t *longest) {
+static palp_status create_product_tables(arena *memory, mg_level *l, const mg_level *coarse,
+                                         size_t *longest) {
     arena scratch = {NULL, false};
     size_t locals, targets;
     places p = {arena_take(&scratch, coarse->n, sizeof *p.mark),
                 arena_take(&scratch, coarse->n, sizeof *p.column), 0};
     for (size_t i = 0; i < coarse->n && !scratch.failed; i++)
         p.mark[i] = -1;
-    const size_t row = scratch.failed ? 0 : count(l, &p, &locals, &targets);
+    const size_t row = scratch.failed ? 0 : count_locals_and_targets(l, &p, &locals, &targets);
     const bool large = row > UINT16_MAX || targets >= OWN || coarse->low_first[coarse->n] >= TURNED;
     palp_status status = scratch.failed ? PALP_ERR_NO_MEMORY : large ? PALP_ERR_LIMIT : PALP_OK;
     if (!status) {
@@ -92,7 +93,7 @@ static palp_status make_product(arena *memory, mg_level *l, const mg_level *coar
         if (memory->failed)
             status = PALP_ERR_NO_MEMORY;
         else
-            list(l, coarse, &p);
+            list_locals_and_targets(l, coarse, &p);
     }
     arena_free(&scratch);
     return status;
@@ -101,7 +102,7 @@ static palp_status make_product(arena *memory, mg_level *l, const mg_level *coar
 palp_status multigrid_make_products(multigrid *mg) {
     size_t longest = 1;
     for (size_t k = 0; k + 1 < mg->n_levels; k++) {
-        palp_status status = make_product(&mg->memory, &mg->level[k], &mg->level[k + 1], &longest);
+        palp_status status = create_product_tables(&mg->memory, &mg->level[k], &mg->level[k + 1], &longest);
         if (status)
             return status;
     }
@@ -110,7 +111,7 @@ palp_status multigrid_make_products(multigrid *mg) {
 }
 
 /* b += the further block between nodes i and j, joined by the k-th sorted element; free axes only. */
-static void add_between(const multigrid *mg, size_t i, size_t j, uint32_t k, float *b) {
+static void add_further_block(const multigrid *mg, size_t i, size_t j, uint32_t k, float *b) {
     const unsigned row = mg->level[0].axes[i], column = mg->level[0].axes[j];
     float block[BLOCK_FLOATS];
     multigrid_between(mg, 1 - mg->used, i, j, k, block);
@@ -120,7 +121,7 @@ static void add_between(const multigrid *mg, size_t i, size_t j, uint32_t k, flo
 }
 
 /* b += the couplings between nodes i and j; free axes only. */
-static void add_couplings(const multigrid *mg, size_t i, size_t j, float *b) {
+static void add_couplings_of_pair(const multigrid *mg, size_t i, size_t j, float *b) {
     const mg_level *l = &mg->level[0];
     const multigrid_coupling *list = mg->coupling[1 - mg->used];
     for (int32_t k = mg->coupled[i < j ? i : j]; k >= 0; k = list[k].next)
@@ -144,21 +145,21 @@ const float *multigrid_entry_block(const multigrid *mg, const mg_level *l, size_
         multigrid_store(room + 4 * c, multigrid_all(MULTIGRID_FREE[l->axes[j]][c]) * rows * column);
     }
     if (multigrid_has_between(mg, 1 - mg->used))
-        add_between(mg, i, j, mg->through[k], room);
+        add_further_block(mg, i, j, mg->through[k], room);
     if (mg->n_couplings[1 - mg->used] > 0)
-        add_couplings(mg, i, j, room);
+        add_couplings_of_pair(mg, i, j, room);
     return room;
 }
 
 /* to += factor times a block. */
-static inline void add(float *to, float factor, const float *block) {
+static inline void add_scaled_block(float *to, float factor, const float *block) {
     const multigrid_four w = multigrid_all(factor);
     for (size_t c = 0; c < BLOCK_FLOATS; c += 4)
         multigrid_store(to + c, multigrid_load(to + c) + w * multigrid_load(block + c));
 }
 
 /* to += factor times the transpose of a block. */
-static inline void add_turned(float *to, float factor, const float *b) {
+static inline void add_scaled_transpose(float *to, float factor, const float *b) {
     const multigrid_four w = multigrid_all(factor);
     for (size_t c = 0; c < 3; c++)
         multigrid_store(to + 4 * c,
@@ -166,10 +167,10 @@ static inline void add_turned(float *to, float factor, const float *b) {
 }
 
 /* row += factor times block times the weights of node j. */
-static inline const uint16_t *spread(float *row, const mg_level *l, size_t j, float factor,
-                                     const float *block, const uint16_t *local) {
+static inline const uint16_t *spread_block_by_weights(float *row, const mg_level *l, size_t j, float factor,
+                                                      const float *block, const uint16_t *local) {
     for (uint32_t k = l->up_first[j]; k < l->up_first[j + 1]; k++)
-        add(row + (size_t)BLOCK_FLOATS * *local++, factor * l->weight[k], block);
+        add_scaled_block(row + (size_t)BLOCK_FLOATS * *local++, factor * l->weight[k], block);
     return local;
 }
 
@@ -181,19 +182,19 @@ size_t multigrid_coarsen(multigrid *mg, size_t level, size_t i) {
     const uint16_t *local = l->local + l->local_first[i];
     float room[BLOCK_FLOATS];
     memset(mg->row, 0, BLOCK_FLOATS * n * sizeof *mg->row);
-    local = spread(mg->row, l, i, 0.5F, l->own[set] + BLOCK_FLOATS * i, local);
+    local = spread_block_by_weights(mg->row, l, i, 0.5F, l->own[set] + BLOCK_FLOATS * i, local);
     for (uint32_t k = l->first[i]; k < l->middle[i]; k++)
-        local =
-            spread(mg->row, l, (size_t)l->column[k], 1.0F, multigrid_entry_block(mg, l, i, k, room), local);
+        local = spread_block_by_weights(mg->row, l, (size_t)l->column[k], 1.0F,
+                                        multigrid_entry_block(mg, l, i, k, room), local);
     for (uint32_t k = l->up_first[i]; k < l->up_first[i + 1]; k++)
         for (size_t j = 0; j < n; j++, target++) {
             const bool own = *target == OWN;
             float *to = own ? coarse->own[set] + BLOCK_FLOATS * l->up[k]
                             : coarse->block[set] + (size_t)BLOCK_FLOATS * (*target & ~TURNED);
             if (own || !(*target & TURNED))
-                add(to, l->weight[k], mg->row + BLOCK_FLOATS * j);
+                add_scaled_block(to, l->weight[k], mg->row + BLOCK_FLOATS * j);
             if (own || *target & TURNED)
-                add_turned(to, l->weight[k], mg->row + BLOCK_FLOATS * j);
+                add_scaled_transpose(to, l->weight[k], mg->row + BLOCK_FLOATS * j);
         }
     return n;
 }

@@ -31,13 +31,13 @@ typedef struct nnls {
     double floor;           /* a full search follows if no listed gradient is above this */
 } nnls;
 
-static void find_rest(nnls *p) {
+static void update_nnls_residual(nnls *p) {
     memcpy(p->rest, p->b, p->rows * sizeof *p->rest);
     dense_times(p->rows, p->used, -1.0, p->q, p->projected, 1.0, p->rest);
 }
 
 /* Keeps the best SHORT columns by gradient in a heap whose root is the least of them. */
-static void list_column(nnls *p, int j) {
+static void insert_into_shortlist(nnls *p, int j) {
     int *heap = p->shortlist, at;
     const double *g = p->gradient;
     if (p->listed < SHORT) {
@@ -61,7 +61,7 @@ static void list_column(nnls *p, int j) {
 }
 
 /* The listed column of the largest gradient; -1: none is above the floor. */
-static int best_listed(nnls *p) {
+static int find_best_listed_column(nnls *p) {
     int best = -1;
     double most = p->floor;
     for (int i = 0; i < p->listed; i++) {
@@ -79,8 +79,8 @@ static int best_listed(nnls *p) {
 
 /* An unused column with about the largest gradient; -1: none is positive. All columns are searched only when
  * the short list is used up. */
-static int best_column(nnls *p) {
-    int j = best_listed(p);
+static int find_most_promising_column(nnls *p) {
+    int j = find_best_listed_column(p);
     if (j >= 0)
         return j;
     dense_transposed_times(p->rows, (size_t)p->n, 1.0, p->a, p->rest, 0.0, p->gradient);
@@ -88,14 +88,14 @@ static int best_column(nnls *p) {
     p->floor = 0.0;
     for (j = 0; j < p->n; j++)
         if (!p->barred[j] && p->gradient[j] > 0.0) {
-            list_column(p, j);
+            insert_into_shortlist(p, j);
             p->floor = fmax(p->floor, STALE * p->gradient[j]);
         }
-    return best_listed(p);
+    return find_best_listed_column(p);
 }
 
 /* Appends column j to Q R, orthogonalized twice. False if it depends on the columns in use. */
-static bool append(nnls *p, int j) {
+static bool append_orthogonal_column(nnls *p, int j) {
     size_t rows = p->rows, k = p->used;
     double *v = p->q + k * rows, *h = p->r + k * p->most, *again = p->s;
     memcpy(v, p->a + (size_t)j * rows, rows * sizeof *v);
@@ -122,7 +122,7 @@ static bool append(nnls *p, int j) {
 }
 
 /* Rotates rows i and i + 1 of R (and columns of Q) so that R[i + 1][column i] vanishes. */
-static void rotate(nnls *p, size_t i) {
+static void rotate_adjacent_rows(nnls *p, size_t i) {
     size_t most = p->most, rows = p->rows;
     double a = p->r[i * most + i], b = p->r[i * most + i + 1], length = hypot(a, b);
     if (length == 0.0)
@@ -144,7 +144,7 @@ static void rotate(nnls *p, size_t i) {
     p->projected[i + 1] = c * p->projected[i + 1] - s * left;
 }
 
-static void drop(nnls *p, size_t k) {
+static void drop_column_from_factor(nnls *p, size_t k) {
     size_t most = p->most;
     p->barred[p->column[k]] = 0;
     p->used--;
@@ -154,11 +154,11 @@ static void drop(nnls *p, size_t k) {
         p->x[j] = p->x[j + 1];
     }
     for (size_t i = k; i < p->used; i++)
-        rotate(p, i);
+        rotate_adjacent_rows(p, i);
 }
 
 /* s = R^-1 q' b */
-static void least_squares(nnls *p) {
+static void solve_used_columns(nnls *p) {
     size_t most = p->most;
     memcpy(p->s, p->projected, p->used * sizeof *p->s);
     for (size_t j = p->used; j-- > 0;) {
@@ -169,10 +169,10 @@ static void least_squares(nnls *p) {
 }
 
 /* Moves x towards s as far as it stays positive and removes columns that became 0, until x = s. */
-static void keep_positive(nnls *p) {
+static void move_while_positive(nnls *p) {
     for (;;) {
         double reach = 1.0;
-        least_squares(p);
+        solve_used_columns(p);
         for (size_t i = 0; i < p->used; i++)
             if (p->s[i] <= 0.0)
                 reach = fmin(reach, p->x[i] / (p->x[i] - p->s[i]));
@@ -188,30 +188,30 @@ static void keep_positive(nnls *p) {
             return;
         for (size_t i = p->used; i-- > 0;)
             if (p->x[i] <= 0.0)
-                drop(p, i);
+                drop_column_from_factor(p, i);
     }
 }
 
-static void iterate(nnls *p, double stop, double *residual) {
+static void iterate_active_set(nnls *p, double stop, double *residual) {
     for (size_t round = 0; round < 3 * p->most + 100; round++) {
-        find_rest(p);
+        update_nnls_residual(p);
         *residual = sqrt(dense_dot(p->rows, p->rest, p->rest));
         if (*residual <= stop || p->used == p->most)
             return;
-        int j = best_column(p);
+        int j = find_most_promising_column(p);
         if (j < 0)
             return;
-        if (!append(p, j)) {
+        if (!append_orthogonal_column(p, j)) {
             p->barred[j] = 1;
             continue;
         }
-        least_squares(p);
+        solve_used_columns(p);
         if (p->s[p->used - 1] <= 0.0) { /* rounding: this coefficient cannot grow */
-            drop(p, p->used - 1);
+            drop_column_from_factor(p, p->used - 1);
             p->barred[j] = 1;
             continue;
         }
-        keep_positive(p);
+        move_while_positive(p);
     }
 }
 
@@ -236,7 +236,7 @@ palp_status nnls_solve(size_t rows, size_t n, const double *a, const double *b, 
         p.rest = p.x + room;
         p.gradient = p.rest + rows;
         double size = sqrt(dense_dot(rows, b, b));
-        iterate(&p, tolerance * size, residual);
+        iterate_active_set(&p, tolerance * size, residual);
         *residual = size > 0.0 ? *residual / size : 0.0;
         for (size_t i = 0; i < p.used; i++)
             x[p.column[i]] = p.x[i];

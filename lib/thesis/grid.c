@@ -20,8 +20,8 @@ typedef struct grid {
     size_t longest;
 } grid;
 
-static void range(size_t n, const palp_lumped_fit *fits, size_t arm, bool stiffness, double *low,
-                  double *step) {
+static void find_grid_range(size_t n, const palp_lumped_fit *fits, size_t arm, bool stiffness, double *low,
+                            double *step) {
     double high = 0.0;
     *low = HUGE_VAL;
     for (size_t r = 0; r < n; r++) {
@@ -33,7 +33,7 @@ static void range(size_t n, const palp_lumped_fit *fits, size_t arm, bool stiffn
     *step = (high - *low) / (STEPS - 1);
 }
 
-static void arm_curves(grid *g, const fit_run *run) {
+static void tabulate_arm_responses(grid *g, const fit_run *run) {
     for (size_t j = 0; j < g->n_arms; j++)
         for (size_t c = 0; c < STEPS * STEPS; c++) {
             double k = g->low_k[j] + g->step_k[j] * (double)(c / STEPS),
@@ -46,9 +46,9 @@ static void arm_curves(grid *g, const fit_run *run) {
 }
 
 /* Adds one recording's residual to every combination. work[longest] holds measured minus spring. */
-static void add_recording(grid *g, const fit_run *run, double spring, double *work) {
+static void add_recording_residuals(grid *g, const fit_run *run, double spring, double *work) {
     const size_t pairs = STEPS * STEPS;
-    arm_curves(g, run);
+    tabulate_arm_responses(g, run);
     for (size_t i = 0; i < run->n; i++)
         work[i] = run->force[i] - spring * run->strain[i];
     for (size_t a = 0; a < pairs; a++)
@@ -61,20 +61,21 @@ static void add_recording(grid *g, const fit_run *run, double spring, double *wo
         }
 }
 
-static palp_status search(fit_problem *p, const palp_lumped_fit *fits, palp_lumped_fit *fit) {
+static palp_status search_best_combination(fit_problem *p, const palp_lumped_fit *fits,
+                                           palp_lumped_fit *fit) {
     size_t pairs = STEPS * STEPS, combinations = p->n_arms == 2 ? pairs * pairs : pairs, best = 0;
     grid g = {.n_arms = p->n_arms};
     for (size_t r = 0; r < p->n_runs; r++)
         g.longest = p->run[r].n > g.longest ? p->run[r].n : g.longest;
     for (size_t j = 0; j < p->n_arms; j++) {
-        range(p->n_runs, fits, j, true, &g.low_k[j], &g.step_k[j]);
-        range(p->n_runs, fits, j, false, &g.low_b[j], &g.step_b[j]);
+        find_grid_range(p->n_runs, fits, j, true, &g.low_k[j], &g.step_k[j]);
+        find_grid_range(p->n_runs, fits, j, false, &g.low_b[j], &g.step_b[j]);
     }
     g.total = calloc(combinations, sizeof *g.total);
     g.curve = malloc((2 * pairs + 1) * g.longest * sizeof *g.curve);
     palp_status status = g.total && g.curve ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t r = 0; r < p->n_runs && !status; r++)
-        add_recording(&g, &p->run[r], fits[r].spring_N[0], g.curve + 2 * pairs * g.longest);
+        add_recording_residuals(&g, &p->run[r], fits[r].spring_N[0], g.curve + 2 * pairs * g.longest);
     for (size_t c = 1; c < combinations && !status; c++)
         best = g.total[c] < g.total[best] ? c : best;
     for (size_t j = 0; j < p->n_arms && !status; j++) {
@@ -88,9 +89,9 @@ static palp_status search(fit_problem *p, const palp_lumped_fit *fits, palp_lump
 }
 
 /* A fit of every recording on its own gives the ranges and K_inf. */
-static palp_status fit_each(size_t n, const palp_recording *recordings,
-                            const palp_characterize_settings *settings, palp_lumped_fit *fits,
-                            palp_error *error) {
+static palp_status fit_each_recording(size_t n, const palp_recording *recordings,
+                                      const palp_characterize_settings *settings, palp_lumped_fit *fits,
+                                      palp_error *error) {
     palp_status status = PALP_OK;
     for (size_t r = 0; r < n && !status; r++) {
         status = palp_characterize_fit(1, &recordings[r], settings, &fits[r], error);
@@ -101,9 +102,9 @@ static palp_status fit_each(size_t n, const palp_recording *recordings,
     return status;
 }
 
-static palp_status grid_result(size_t n, const palp_recording *recordings,
-                               const palp_characterize_settings *settings, const palp_lumped_fit *fits,
-                               palp_lumped_fit *fit) {
+static palp_status fill_grid_result(size_t n, const palp_recording *recordings,
+                                    const palp_characterize_settings *settings, const palp_lumped_fit *fits,
+                                    palp_lumped_fit *fit) {
     double middle = 0.0;
     fit->n_runs = n;
     fit->spring_N = malloc(n * sizeof(double));
@@ -135,12 +136,12 @@ palp_status palp_thesis_grid(size_t n, const palp_recording *recordings,
     if (status)
         return status;
     palp_lumped_fit *fits = calloc(n, sizeof *fits);
-    status = fits ? fit_each(n, recordings, &each, fits, error) : PALP_ERR_NO_MEMORY;
+    status = fits ? fit_each_recording(n, recordings, &each, fits, error) : PALP_ERR_NO_MEMORY;
     fit->material.n_arms = settings->n_arms;
     if (!status)
-        status = search(&p, fits, fit);
+        status = search_best_combination(&p, fits, fit);
     if (!status)
-        status = grid_result(n, recordings, &each, fits, fit);
+        status = fill_grid_result(n, recordings, &each, fits, fit);
     for (size_t r = 0; fits && r < n; r++)
         palp_lumped_fit_free(&fits[r]);
     free(fits);

@@ -21,7 +21,7 @@ typedef struct three_phase {
     marks wanted, reached;
 } three_phase;
 
-static marks marks_of_record(const palp_target *target, double slope) {
+static marks measure_marks_of_record(const palp_target *target, double slope) {
     marks m = {0};
     size_t i = 1, n = target->n;
     double ramp_end = target->path.time_s[1];
@@ -38,7 +38,7 @@ static marks marks_of_record(const palp_target *target, double slope) {
 }
 
 /* A step of the dwell: to equilibrium, or of a frozen dwell with every node where it is. */
-static palp_status dwell_step(palp_network *net, bool frozen, double depth_m, double dt_s) {
+static palp_status advance_dwell_step(palp_network *net, bool frozen, double depth_m, double dt_s) {
     if (!frozen)
         return palp_network_step(net, depth_m, dt_s, NULL);
     palp_status status = network_begin(net, depth_m, dt_s);
@@ -55,7 +55,7 @@ static palp_status dwell_step(palp_network *net, bool frozen, double depth_m, do
 }
 
 /* Runs the ramp, and the hold until it is steady if wanted. */
-static palp_status run(three_phase *s, bool hold) {
+static palp_status run_ramp_and_hold(three_phase *s, bool hold) {
     const palp_path *path = &s->target->path;
     double dt = s->settings->dt_s, ramp = path->time_s[1], end = path->time_s[path->n - 1];
     palp_status status = palp_network_set_material(s->net, &s->material);
@@ -65,7 +65,7 @@ static palp_status run(three_phase *s, bool hold) {
     s->reached.peak = s->net->now.force;
     for (double t = ramp + dt; hold && t < end + 0.5 * dt && !status; t += dt) {
         double before = s->net->now.force;
-        status = dwell_step(s->net, s->settings->frozen_dwell, path->depth_m[1], dt);
+        status = advance_dwell_step(s->net, s->settings->frozen_dwell, path->depth_m[1], dt);
         s->reached.steady_time = t;
         s->reached.steady_force = s->net->now.force;
         if (before - s->net->now.force < s->settings->steady_slope_N_s * dt)
@@ -74,12 +74,12 @@ static palp_status run(three_phase *s, bool hold) {
     return status;
 }
 
-static double error(double reached, double wanted) {
+static double relative_error_of_mark(double reached, double wanted) {
     return fabs(reached - wanted) / fabs(wanted);
 }
 
-static palp_status record(three_phase *s, int phase, bool hold) {
-    double peak = 100.0 * error(s->reached.peak, s->wanted.peak);
+static palp_status record_iteration_errors(three_phase *s, int phase, bool hold) {
+    double peak = 100.0 * relative_error_of_mark(s->reached.peak, s->wanted.peak);
     palp_calibrate_iteration it = {.phase = phase,
                                    .residual_N = fabs(s->reached.peak - s->wanted.peak),
                                    .material = s->material,
@@ -87,8 +87,10 @@ static palp_status record(three_phase *s, int phase, bool hold) {
                                    .steady_time_error_percent = NAN,
                                    .steady_force_error_percent = NAN};
     if (hold) {
-        it.steady_time_error_percent = 100.0 * error(s->reached.steady_time, s->wanted.steady_time);
-        it.steady_force_error_percent = 100.0 * error(s->reached.steady_force, s->wanted.steady_force);
+        it.steady_time_error_percent =
+            100.0 * relative_error_of_mark(s->reached.steady_time, s->wanted.steady_time);
+        it.steady_force_error_percent =
+            100.0 * relative_error_of_mark(s->reached.steady_force, s->wanted.steady_force);
     }
     palp_status status = calibration_add(s->result, &it);
     double done = (double)s->result->n_iterations / (double)s->settings->max_evaluations;
@@ -97,23 +99,23 @@ static palp_status record(three_phase *s, int phase, bool hold) {
     return status;
 }
 
-static bool exhausted(const three_phase *s) {
+static bool are_evaluations_exhausted(const three_phase *s) {
     return s->result->n_iterations >= s->settings->max_evaluations;
 }
 
 /* Phases 1 and 2: multiply by wanted / reached until the error is within the bound or grows. */
-static palp_status match(three_phase *s, int phase) {
+static palp_status match_mark_by_scaling(three_phase *s, int phase) {
     double least = HUGE_VAL, e = HUGE_VAL;
     palp_arm *arm = &s->material.arms[0], best = *arm;
-    while (e > s->settings->error_bound && !exhausted(s)) {
-        palp_status status = run(s, phase == 2);
+    while (e > s->settings->error_bound && !are_evaluations_exhausted(s)) {
+        palp_status status = run_ramp_and_hold(s, phase == 2);
         if (!status)
-            status = record(s, phase, phase == 2);
+            status = record_iteration_errors(s, phase, phase == 2);
         if (status)
             return status;
         double wanted = phase == 1 ? s->wanted.peak : s->wanted.steady_time;
         double reached = phase == 1 ? s->reached.peak : s->reached.steady_time;
-        e = error(reached, wanted);
+        e = relative_error_of_mark(reached, wanted);
         if (!(e < least))
             break;
         least = e;
@@ -133,13 +135,13 @@ static palp_status match_steady_force(three_phase *s) {
     enum { ROUNDS = 20 };
     double least = HUGE_VAL, best_force = 0.0, difference = 0.0, e;
     palp_law best = s->material.law;
-    for (int round = 0; round < ROUNDS && !exhausted(s); round++) {
-        palp_status status = run(s, true);
+    for (int round = 0; round < ROUNDS && !are_evaluations_exhausted(s); round++) {
+        palp_status status = run_ramp_and_hold(s, true);
         if (!status)
-            status = record(s, 3, true);
+            status = record_iteration_errors(s, 3, true);
         if (status)
             return status;
-        e = error(s->reached.steady_force, s->wanted.steady_force);
+        e = relative_error_of_mark(s->reached.steady_force, s->wanted.steady_force);
         if (e <= s->settings->error_bound)
             return PALP_OK;
         if (e < least) {
@@ -158,22 +160,22 @@ static palp_status match_steady_force(three_phase *s) {
     return PALP_OK;
 }
 
-static bool same(const palp_material *a, const palp_material *b) {
+static bool are_materials_identical(const palp_material *a, const palp_material *b) {
     return a->arms[0].stiffness_N == b->arms[0].stiffness_N &&
            a->arms[0].viscosity_Ns == b->arms[0].viscosity_Ns &&
            memcmp(a->law.coefficients, b->law.coefficients, sizeof a->law.coefficients) == 0;
 }
 
-static bool within(const three_phase *s) {
+static bool are_errors_within_bound(const three_phase *s) {
     double bound = s->settings->error_bound;
-    return error(s->reached.peak, s->wanted.peak) <= bound &&
-           error(s->reached.steady_time, s->wanted.steady_time) <= bound &&
-           error(s->reached.steady_force, s->wanted.steady_force) <= bound;
+    return relative_error_of_mark(s->reached.peak, s->wanted.peak) <= bound &&
+           relative_error_of_mark(s->reached.steady_time, s->wanted.steady_time) <= bound &&
+           relative_error_of_mark(s->reached.steady_force, s->wanted.steady_force) <= bound;
 }
 
 /* From rest along a ramp and a hold. */
-static palp_status check(const palp_material *start, const palp_target *target,
-                         const palp_three_phase_settings *settings) {
+static palp_status check_three_phase_input(const palp_material *start, const palp_target *target,
+                                           const palp_three_phase_settings *settings) {
     if (start->n_arms != 1)
         return PALP_ERR_UNSUPPORTED;
     const palp_path *p = &target->path;
@@ -188,28 +190,29 @@ static palp_status check(const palp_material *start, const palp_target *target,
 }
 
 /* One global iteration: the three phases, and what the material they leave reaches. */
-static palp_status iterate(three_phase *s) {
-    palp_status status = match(s, 1);
+static palp_status iterate_three_phases(three_phase *s) {
+    palp_status status = match_mark_by_scaling(s, 1);
     if (!status)
-        status = match(s, 2);
+        status = match_mark_by_scaling(s, 2);
     if (!status)
         status = match_steady_force(s);
-    return status ? status : run(s, true);
+    return status ? status : run_ramp_and_hold(s, true);
 }
 
-static palp_status solve(three_phase *s) {
+static palp_status iterate_until_unchanged(three_phase *s) {
     palp_calibration *result = s->result;
     palp_material before;
-    s->wanted = marks_of_record(s->target, s->settings->steady_slope_N_s);
+    s->wanted = measure_marks_of_record(s->target, s->settings->steady_slope_N_s);
     if (!(s->wanted.peak > 0.0) || !(s->wanted.steady_time > 0.0) || !(s->wanted.steady_force > 0.0))
         return PALP_ERR_ARGUMENT; /* no force, or a record that ends with the ramp */
     do {
         before = s->material;
-        palp_status status = iterate(s);
+        palp_status status = iterate_three_phases(s);
         if (status)
             return status;
-        result->converged = within(s);
-    } while (!result->converged && !exhausted(s) && !same(&before, &s->material));
+        result->converged = are_errors_within_bound(s);
+    } while (!result->converged && !are_evaluations_exhausted(s) &&
+             !are_materials_identical(&before, &s->material));
     result->material = s->material;
     result->residual_N = fabs(s->reached.peak - s->wanted.peak);
     return palp_network_set_material(s->net, &result->material);
@@ -228,9 +231,9 @@ palp_status palp_thesis_three_phase(palp_network *network, const palp_material *
     three_phase s = {
         .net = network, .target = target, .settings = settings, .result = result, .material = *start};
     memset(result, 0, sizeof *result);
-    palp_status status = check(start, target, settings);
+    palp_status status = check_three_phase_input(start, target, settings);
     if (!status)
-        status = solve(&s);
+        status = iterate_until_unchanged(&s);
     if (status)
         palp_calibration_free(result);
     return status;

@@ -34,7 +34,7 @@ typedef struct layout {
         return &it;                                                                                          \
     }
 
-static const layout *layout_of(uint8_t type) {
+static const layout *find_message_layout(uint8_t type) {
     switch (type) {
         PALP_WIRE_MESSAGES(LAYOUT)
     default:
@@ -43,32 +43,32 @@ static const layout *layout_of(uint8_t type) {
 }
 
 size_t palp_wire_payload_size(uint8_t type) {
-    const layout *it = layout_of(type);
+    const layout *it = find_message_layout(type);
     return it ? it->size : 0;
 }
 
 /* ---- fields to bytes and back, little-endian whatever the processor is ---- */
 
-static void put16(uint8_t *to, uint16_t value) {
+static void write_little_uint16(uint8_t *to, uint16_t value) {
     to[0] = (uint8_t)value;
     to[1] = (uint8_t)(value >> 8);
 }
 
-static void put32(uint8_t *to, uint32_t value) {
-    put16(to, (uint16_t)value);
-    put16(to + 2, (uint16_t)(value >> 16));
+static void write_little_uint32(uint8_t *to, uint32_t value) {
+    write_little_uint16(to, (uint16_t)value);
+    write_little_uint16(to + 2, (uint16_t)(value >> 16));
 }
 
-static uint16_t get16(const uint8_t *from) {
+static uint16_t read_little_uint16(const uint8_t *from) {
     return (uint16_t)(from[0] | from[1] << 8);
 }
 
-static uint32_t get32(const uint8_t *from) {
-    return get16(from) | (uint32_t)get16(from + 2) << 16;
+static uint32_t read_little_uint32(const uint8_t *from) {
+    return read_little_uint16(from) | (uint32_t)read_little_uint16(from + 2) << 16;
 }
 
 /* A loop for each size: the firmware does this within a control tick. Return where the bytes end. */
-static uint8_t *put_field(uint8_t *to, const void *from, const field *f) {
+static uint8_t *encode_message_field(uint8_t *to, const void *from, const field *f) {
     const uint8_t *byte = from;
     const uint16_t *half = from;
     const uint32_t *word = from;
@@ -76,15 +76,15 @@ static uint8_t *put_field(uint8_t *to, const void *from, const field *f) {
         to[i] = byte[i];
     }
     for (unsigned i = 0; f->size == 2 && i < f->count; i++) {
-        put16(to + 2 * i, half[i]);
+        write_little_uint16(to + 2 * i, half[i]);
     }
     for (unsigned i = 0; f->size == 4 && i < f->count; i++) {
-        put32(to + 4 * i, word[i]);
+        write_little_uint32(to + 4 * i, word[i]);
     }
     return to + f->size * f->count;
 }
 
-static const uint8_t *get_field(const uint8_t *from, void *to, const field *f) {
+static const uint8_t *decode_message_field(const uint8_t *from, void *to, const field *f) {
     uint8_t *byte = to;
     uint16_t *half = to;
     uint32_t *word = to;
@@ -92,35 +92,35 @@ static const uint8_t *get_field(const uint8_t *from, void *to, const field *f) {
         byte[i] = from[i];
     }
     for (unsigned i = 0; f->size == 2 && i < f->count; i++) {
-        half[i] = get16(from + 2 * i);
+        half[i] = read_little_uint16(from + 2 * i);
     }
     for (unsigned i = 0; f->size == 4 && i < f->count; i++) {
-        word[i] = get32(from + 4 * i);
+        word[i] = read_little_uint32(from + 4 * i);
     }
     return from + f->size * f->count;
 }
 
-static void put_payload(uint8_t *to, const palp_wire_message *message, const layout *it) {
+static void encode_message_payload(uint8_t *to, const palp_wire_message *message, const layout *it) {
     const uint8_t *from = (const uint8_t *)&message->as;
     to[0] = message->type;
-    put16(to + 1, message->sequence);
-    put32(to + 3, message->lost);
+    write_little_uint16(to + 1, message->sequence);
+    write_little_uint32(to + 3, message->lost);
     to += HEADER;
     for (uint8_t i = 0; i < it->n; i++) {
         const field *f = &it->fields[i];
-        to = put_field(to, from + f->offset, f);
+        to = encode_message_field(to, from + f->offset, f);
     }
 }
 
-static void get_payload(const uint8_t *from, palp_wire_message *message, const layout *it) {
+static void decode_message_payload(const uint8_t *from, palp_wire_message *message, const layout *it) {
     uint8_t *to = (uint8_t *)&message->as;
     message->type = from[0];
-    message->sequence = get16(from + 1);
-    message->lost = get32(from + 3);
+    message->sequence = read_little_uint16(from + 1);
+    message->lost = read_little_uint32(from + 3);
     from += HEADER;
     for (uint8_t i = 0; i < it->n; i++) {
         const field *f = &it->fields[i];
-        from = get_field(from, to + f->offset, f);
+        from = decode_message_field(from, to + f->offset, f);
     }
 }
 
@@ -129,7 +129,7 @@ static void get_payload(const uint8_t *from, palp_wire_message *message, const l
 
 /* From the end: each zero becomes the distance to the next one, or to the end. */
 /* From the end: each zero becomes the distance to the next one, or to the end. */
-static void cobs_encode(uint8_t *byte, size_t n) {
+static void encode_cobs_in_place(uint8_t *byte, size_t n) {
     unsigned distance = 1;
     for (uint8_t *p = byte + n - 1; p > byte; p--) {
         if (*p == 0) {
@@ -142,7 +142,7 @@ static void cobs_encode(uint8_t *byte, size_t n) {
 }
 
 /* False unless the codes lead from one to the next and just to the end. No byte is zero. */
-static bool cobs_decode(uint8_t *byte, size_t n) {
+static bool decode_cobs_in_place(uint8_t *byte, size_t n) {
     size_t next = 0;
     while (next < n) {
         size_t code = byte[next];
@@ -174,7 +174,7 @@ uint16_t palp_wire_crc(const uint8_t *byte, size_t n) {
     return (uint16_t)crc;
 }
 
-static void put_check(uint8_t to[CHECK], uint16_t crc) {
+static void append_check_characters(uint8_t to[CHECK], uint16_t crc) {
     to[0] = (uint8_t)(0x80 | crc >> 10);
     to[1] = (uint8_t)(0x80 | (crc >> 4 & 0x3f));
     to[2] = (uint8_t)(0x80 | (crc & 0xf));
@@ -186,34 +186,34 @@ size_t palp_wire_encode(const palp_wire_message *message, uint8_t *frame) {
     if (!message || !frame) {
         return 0;
     }
-    const layout *it = layout_of(message->type);
+    const layout *it = find_message_layout(message->type);
     if (!it) {
         return 0;
     }
     size_t n = (size_t)it->size + 1;
-    put_payload(frame + 1, message, it);
-    cobs_encode(frame, n);
-    put_check(frame + n, palp_wire_crc(frame, n));
+    encode_message_payload(frame + 1, message, it);
+    encode_cobs_in_place(frame, n);
+    append_check_characters(frame + n, palp_wire_crc(frame, n));
     frame[n + CHECK] = 0;
     return n + CHECK + 1;
 }
 
 /* The n bytes before a zero; n > 0. */
-static bool decode_frame(uint8_t *byte, size_t n, palp_wire_message *message) {
+static bool decode_one_frame(uint8_t *byte, size_t n, palp_wire_message *message) {
     uint8_t check[CHECK];
     if (n < 1 + HEADER + CHECK) {
         return false;
     }
     n -= CHECK;
-    put_check(check, palp_wire_crc(byte, n));
-    if (memcmp(check, byte + n, CHECK) != 0 || !cobs_decode(byte, n)) {
+    append_check_characters(check, palp_wire_crc(byte, n));
+    if (memcmp(check, byte + n, CHECK) != 0 || !decode_cobs_in_place(byte, n)) {
         return false;
     }
-    const layout *it = layout_of(byte[1]);
+    const layout *it = find_message_layout(byte[1]);
     if (!it || n != (size_t)it->size + 1) {
         return false;
     }
-    get_payload(byte + 1, message, it);
+    decode_message_payload(byte + 1, message, it);
     return true;
 }
 
@@ -229,7 +229,7 @@ bool palp_wire_decode(palp_wire_decoder *decoder, uint8_t byte, palp_wire_messag
         }
         return false;
     }
-    bool good = n > 0 && decode_frame(decoder->byte, n, message);
+    bool good = n > 0 && decode_one_frame(decoder->byte, n, message);
     decoder->frames += good;
     decoder->bad += !good && n > 0;
     decoder->n = 0;
