@@ -131,7 +131,14 @@ START_TEST(scaling_comes_back) {
     source.scaling = PALP_SCALING_VOLUME;
     source.area_m2 = -1.0;
     ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
-    source.area_m2 = 0.0;
+}
+END_TEST
+
+START_TEST(path_of_the_mesh_comes_back) {
+    palp_model model =
+        read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
+                  "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"file\", "
+                  "\"path\": \"a.msh\"}}");
     strcpy(source.path, "a'\n\"$(b)\033.msh");
     comes_back(&model);
     palp_error error;
@@ -538,6 +545,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, hyperelastic_area_is_that_of_the_radius);
     tcase_add_test(tc, network_comes_back);
     tcase_add_test(tc, scaling_comes_back);
+    tcase_add_test(tc, path_of_the_mesh_comes_back);
     tcase_add_test(tc, lengths_in_millimetres_come_back);
     tcase_add_test(tc, every_law_comes_back);
     tcase_add_test(tc, the_measured_strain_comes_back_and_must_be_sound);
