@@ -279,6 +279,15 @@ static bool begins_under_load(const explain_run *run) {
     return run->depth[0] > part * deepest && run->force[0] > part * peak;
 }
 
+/* Whether it presses at all, by its own depths: what stays above nominal contact shows the instrument alone.
+ */
+static bool goes_below_contact(const explain_run *run) {
+    for (size_t i = 0; i < run->n; i++)
+        if (run->depth[i] > 0.0)
+            return true;
+    return false;
+}
+
 static palp_status take_run(explain_data *data, size_t r, const palp_explain_input *input, bool air,
                             palp_error *error) {
     const palp_experiment *e = input->experiment;
@@ -298,7 +307,7 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
                               "was pressed before is "
                               "missing. Give that recording too, or leave this one out",
                               run->name, run->force[0], 1e3 * run->depth[0]);
-    status = air ? PALP_OK : palp_recording_check(e, run->name, data->height, error);
+    status = goes_below_contact(run) ? palp_recording_check(e, run->name, data->height, error) : PALP_OK;
     if (status)
         return status;
     run->session = explain_number_of(e, "session.start_s", NAN);
