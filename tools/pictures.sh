@@ -21,7 +21,7 @@ for figure in pipeline layers; do
     dot -Tsvg "$out/$figure.dot" -o "$out/$figure.svg"
 done
 
-"$palpate" calibrate data/sedef2008/lumped_n2.json --nodes 3 --strain-dependent --law spline --out "$work/network.json" \
+"$palpate" calibrate data/sedef2008/lumped_n2.json --nodes 3 --scaling none --strain-dependent --law spline --out "$work/network.json" \
     --report "$work/calibrate.html" >/dev/null
 python3 tools/picture.py "$work/calibrate.html" "$out/static.svg" static_fit
 python3 tools/picture.py "$work/calibrate.html" "$out/relaxation.svg" relaxation_log
