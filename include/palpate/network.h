@@ -41,8 +41,11 @@ typedef struct palp_network_settings {
     double density_kg_m3; /* 0 = massless (quasi-static); a quarter of each tetrahedron's mass to its corners.
                              Hexahedra (lattices): their mass, and for meshes from arrays that of the bounding
                              box, shared by the rest length of a node's elements */
-    double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume of the mesh's tetrahedra, J the
-                                 ratio of present volume to rest volume; 0 = no resistance to volume change */
+    double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume of the mesh's hexahedra, or else
+                                 tetrahedra, J the ratio of present volume to rest volume; 0 = none */
+    double poisson_ratio;     /* 0.25 to below 0.5: instead, k is such that the network scaled as a continuum
+                                 is at rest a solid of this ratio, with the springs' shear modulus; it follows
+                                 the law. 0 = none, as springs alone have 1/4 */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
     double check_strain; /* the tangent's inertia is assessed at least at this interval of depth / height */
@@ -69,8 +72,8 @@ typedef struct palp_step_info {
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
  * mesh and the material. The caller owns *network. error may be NULL. ERR_ARGUMENT: a setting, a motion or
  * the material is out of range; ERR_INPUT: the mesh has no such node set; ERR_UNSUPPORTED: the supernodal
- * solver in a build without GPL=1, a volume modulus where there are no tetrahedra, or edges of them are no
- * elements; ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
+ * solver in a build without GPL=1, a volume modulus or Poisson's ratio where there are no cells or
+ * tetrahedra, or edges or diagonals of them are no elements; ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
 PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material,
                                          size_t n_supports, const palp_support *supports,
                                          const palp_network_settings *settings, palp_network **network,

@@ -277,25 +277,42 @@ static palp_status read_mesh_source(const palp_json *root, palp_mesh_source *sou
     return palp_json_fail(&kind, PALP_ERR_INPUT, "must be \"lattice\" or \"file\", not \"%s\"", name);
 }
 
+/* The law's own stiffness at rest is what the ratio refers to. */
+static palp_status read_poisson_ratio(const palp_json *value, palp_model *model) {
+    double rest = 0;
+    palp_status status = palp_json_positive(value, &model->poisson_ratio);
+    if (!status && !(model->poisson_ratio >= 0.25 && model->poisson_ratio < 0.5))
+        return palp_json_fail(value, PALP_ERR_INPUT, "must be from 0.25 to below 0.5");
+    if (!status && model->volume_modulus_Pa > 0)
+        return palp_json_fail(value, PALP_ERR_INPUT, "does not go with volume_modulus_Pa");
+    if (!status)
+        palp_law_stiffness(&model->material.law, 0, &rest, NULL);
+    if (!status && !(rest > 0))
+        return palp_json_fail(value, PALP_ERR_INPUT, "needs a law with stiffness at strain 0");
+    return status;
+}
+
 static palp_status read_network_members(const palp_json *root, palp_model *model, palp_mesh_source *source) {
-    palp_json density, volume;
+    palp_json density, volume, poisson;
     palp_status status = read_mesh_source(root, source);
     model->mesh = source;
     if (!status && palp_json_member(root, "density_kg_m3", &density))
         status = palp_json_not_negative(&density, &model->density_kg_m3);
     if (!status && palp_json_member(root, "volume_modulus_Pa", &volume))
         status = palp_json_positive(&volume, &model->volume_modulus_Pa);
+    if (!status && palp_json_member(root, "poisson_ratio", &poisson))
+        status = read_poisson_ratio(&poisson, model);
     if (!status && model->height_m == 0 && source->kind == PALP_MESH_LATTICE)
         model->height_m = source->size_m[1];
     return status;
 }
 
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
-    /* the last three only in a network */
-    static const char *const keys[] = {"palpate", "kind",          "specimen",         "stiffness",
-                                       "arms",    "dashpot_Ns",    "quasi_linear",     "formulation",
-                                       "effects", "fractional",    "covariance",       "specimens",
-                                       "mesh",    "density_kg_m3", "volume_modulus_Pa"};
+    /* the last four only in a network */
+    static const char *const keys[] = {"palpate", "kind",          "specimen",          "stiffness",
+                                       "arms",    "dashpot_Ns",    "quasi_linear",      "formulation",
+                                       "effects", "fractional",    "covariance",        "specimens",
+                                       "mesh",    "density_kg_m3", "volume_modulus_Pa", "poisson_ratio"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;
@@ -308,7 +325,7 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     if (!status && !network && palp_json_member(root, "mesh", &mesh))
         status = palp_json_fail(&mesh, PALP_ERR_INPUT, "belongs to a model of kind \"network\"");
     if (!status)
-        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 3, keys);
+        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 4, keys);
     if (!status)
         status = read_specimen_size(root, model);
     if (!status)

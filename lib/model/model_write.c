@@ -47,6 +47,9 @@ static bool is_specimen_shape_valid(const palp_model *model) {
         return false;
     if (!(model->volume_modulus_Pa >= 0) || !isfinite(model->volume_modulus_Pa))
         return false;
+    if (model->poisson_ratio != 0 &&
+        !(model->poisson_ratio >= 0.25 && model->poisson_ratio < 0.5 && model->volume_modulus_Pa == 0))
+        return false;
     if ((unsigned)mesh->scaling > PALP_SCALING_CONTINUUM || !(mesh->area_m2 >= 0) || !isfinite(mesh->area_m2))
         return false;
     if (mesh->kind == PALP_MESH_LATTICE)
@@ -293,6 +296,10 @@ static palp_status print_network_members(const writer *w, const palp_model *mode
     if (model->volume_modulus_Pa > 0) {
         fputs(w->between, w->stream);
         print_json_number(w, "\"volume_modulus_Pa\": ", model->volume_modulus_Pa);
+    }
+    if (model->poisson_ratio > 0) {
+        fputs(w->between, w->stream);
+        print_json_number(w, "\"poisson_ratio\": ", model->poisson_ratio);
     }
     return status;
 }

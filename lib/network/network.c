@@ -15,6 +15,7 @@ palp_network_settings palp_network_settings_default(void) {
                                    .solver = PALP_SOLVER_AUTO,
                                    .density_kg_m3 = 0.0,
                                    .volume_modulus_Pa = 0.0,
+                                   .poisson_ratio = 0.0,
                                    .integrator = PALP_BACKWARD_EULER,
                                    .spectral_radius = 0.5,
                                    .check_strain = 5e-3};
@@ -172,21 +173,24 @@ static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *m
     palp_network_reset(net);
     if (net->mass)
         status = network_add_terms(net, 1, (network_term *[]){network_inertia_new(net)});
-    if (!status && net->settings.volume_modulus_Pa > 0.0)
-        status = network_add_volume(net, net->settings.volume_modulus_Pa);
+    if (!status && (net->settings.volume_modulus_Pa > 0.0 || net->settings.poisson_ratio > 0.0))
+        status = network_add_volume(net);
     if (status == PALP_ERR_UNSUPPORTED)
         return palp_error_set(
             error, status,
-            "a volume modulus needs a mesh of tetrahedra, with an element along every edge (in a "
-            "lattice 26 neighbours, of hexahedra the diagonals too)");
+            "a volume modulus or Poisson's ratio needs a mesh of tetrahedra or hexahedra with an element "
+            "between any two corners of one (a lattice of 26 neighbours, --hex-diagonals)");
     return status;
 }
 
 static bool are_settings_in_range(const palp_network_settings *s) {
     return s->tolerance > 0.0 && isfinite(s->tolerance) && s->max_iterations >= 1 &&
            s->density_kg_m3 >= 0.0 && isfinite(s->density_kg_m3) && s->volume_modulus_Pa >= 0.0 &&
-           isfinite(s->volume_modulus_Pa) && s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 &&
-           s->check_strain >= 0.0 && s->branch <= PALP_BRANCH_STABLE && s->solver <= PALP_SOLVER_SUPERNODAL &&
+           isfinite(s->volume_modulus_Pa) &&
+           (s->poisson_ratio == 0.0 ||
+            (s->poisson_ratio >= 0.25 && s->poisson_ratio < 0.5 && s->volume_modulus_Pa == 0.0)) &&
+           s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 && s->check_strain >= 0.0 &&
+           s->branch <= PALP_BRANCH_STABLE && s->solver <= PALP_SOLVER_SUPERNODAL &&
            s->integrator <= PALP_GENERALIZED_ALPHA;
 }
 
@@ -341,6 +345,7 @@ palp_status palp_network_from_model(const palp_model *model, const palp_mesh *me
     palp_supports_default(usual);
     own.density_kg_m3 = model->density_kg_m3;
     own.volume_modulus_Pa = model->volume_modulus_Pa;
+    own.poisson_ratio = model->poisson_ratio;
     status = palp_network_create(mesh ? mesh : made, &model->material, supports ? n_supports : 2,
                                  supports ? supports : usual, &own, network, error);
     palp_mesh_free(made);

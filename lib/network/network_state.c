@@ -253,6 +253,7 @@ static uint64_t fingerprint_of_network(const palp_network *net) {
                             m->dashpot_Ns,
                             net->settings.density_kg_m3,
                             net->settings.volume_modulus_Pa,
+                            net->settings.poisson_ratio,
                             net->settings.spectral_radius};
     const double *scale = palp_mesh_element_scale(net->mesh);
     uint64_t sum = network_sum(NETWORK_SUM, number, sizeof number);

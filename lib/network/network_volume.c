@@ -1,6 +1,8 @@
-/* network_volume.c: tetrahedra that resist a change of volume, which springs between nodes do not. J is the
- * volume over that at rest. Energy per volume at rest: w(J) = k (J - 1 - ln J), near rest k (J - 1)^2 / 2,
- * infinite at J = 0. */
+/* network_volume.c: cells or tetrahedra that resist a change of volume, which springs between nodes do not.
+ * J is the volume over that at rest. Energy per volume at rest: w(J) = k (J - 1 - ln J), near rest
+ * k (J - 1)^2 / 2, infinite at J = 0. A hexahedron has one J: six tetrahedra with their own would lock. k and
+ * the volume of a crooked cell are derived in doc/numerics.md. */
+#include "base/clones.h"
 #include "mesh/mesh_internal.h"
 #include "network_internal.h"
 
@@ -10,154 +12,272 @@
 static const double LEAST =
     0.05; /* Below this J w continues as a parabola, as trial positions may be inverted */
 
+/* A tetrahedron's volume depends on three modes of its corners: its edges from the first one. That of a cell,
+ * whose corner c is at x = c & 1, y = c >> 1 & 1, z = c >> 2, depends on six: its edges in the mean, and
+ * their changes across xy, xz, yz. The volume is the sum of factor det(three modes); tetrahedra have the
+ * first. */
+enum { CORNERS = 8, MODES = 6, TRIPLES = 4, BATCH = 4 };
+static const unsigned char gmsh_corner[CORNERS] = {0, 1, 3, 2, 4, 5, 7, 6};
+static const unsigned char of_axes[MODES] = {1, 2, 4, 3, 5, 6};
+static const unsigned char triple[TRIPLES][3] = {{0, 1, 2}, {0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+static const double factor_of_triple[TRIPLES] = {1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
+
+/* The same number of several solids. */
+typedef double lanes __attribute__((vector_size(BATCH * sizeof(double)), aligned(sizeof(double)), may_alias));
+
 typedef struct volume {
     network_term term;
-    double modulus; /* k, Pa */
-    size_t n;
-    const int32_t *node; /* [4 n], owned by the mesh */
-    double *rest;        /* [n] m^3 */
-    double *edge;        /* [9 n] from a tetrahedron's first node to the others, at the last evaluation */
-    double *slope;       /* [n] dw/dJ at the last evaluation, Pa */
-    double *curve;       /* [n] d2w/dJ2 over the volume at rest, Pa/m^3 */
+    double modulus;             /* k, Pa */
+    double volume_m3, length_m; /* of the body and network_shared_length, both whole */
+    size_t corners, modes;      /* of a solid: 8 and 6, or 4 and 3 */
+    size_t n_all, n, changes; /* solids; those without a cut element; surface_changes when they were found */
+    int32_t *all, *node;      /* [corners n_all] and, of those in use, [corners (n_all + BATCH)] */
+    double *all_rest, *rest;  /* [n_all], [n_all + BATCH] m^3 */
+    double *square;           /* [n_all] of the volume's gradient by all corners, about, m^4 */
+    double unit;              /* volume over the sum of these determinants */
+    double sign[MODES][CORNERS];          /* a mode is the sum of sign times corner */
+    double turn[CORNERS][CORNERS][MODES]; /* the volume's second derivative by corners a and b is u (v x sum
+                                             of turn times mode) */
+    double *mode;                         /* [3 modes (n_all + BATCH)] by batches, at the last evaluation */
+    double *ratio, *slope, *curve; /* [n_all + BATCH] J; unit dw/dJ, Pa; unit^2 d2w/dJ2 over the volume at
+                                      rest, Pa/m^3 */
 } volume;
 
-/* w and dw/dJ; *curve: d2w/dJ2. */
-static double volume_energy_density(double k, double ratio, double *slope, double *curve) {
+/* w at a ratio J. */
+static double volume_energy_density(double k, double ratio) {
     const double at = fmax(ratio, LEAST), beyond = ratio - at;
-    *curve = k / (at * at);
-    *slope = k * (1.0 - 1.0 / at) + *curve * beyond;
-    return k * (at - 1.0 - log(at)) + (k * (1.0 - 1.0 / at) + 0.5 * *curve * beyond) * beyond;
+    return k * (at - 1.0 - log(at) + (1.0 - 1.0 / at + 0.5 * beyond / (at * at)) * beyond);
 }
 
-/* sum += factor a x b. */
-static void add_scaled_cross_product(double factor, const double *a, const double *b, double *sum) {
-    sum[0] += factor * (a[1] * b[2] - a[2] * b[1]);
-    sum[1] += factor * (a[2] * b[0] - a[0] * b[2]);
-    sum[2] += factor * (a[0] * b[1] - a[1] * b[0]);
+/* ---- batches ------------------------------------------------------------------------------------- */
+
+/* out += f a x b */
+static inline void add_cross(double f, const lanes *a, const lanes *b, lanes *out) {
+    out[0] += f * (a[1] * b[2] - a[2] * b[1]);
+    out[1] += f * (a[2] * b[0] - a[0] * b[2]);
+    out[2] += f * (a[0] * b[1] - a[1] * b[0]);
 }
 
-static double edge_dot_product(const double *a, const double *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/* g += the volume's derivative by each mode. */
+static inline void add_gradient(size_t modes, const lanes *m, lanes *g) {
+    for (size_t t = 0; t < (modes == MODES ? TRIPLES : 1); t++)
+        for (size_t i = 0; i < 3; i++)
+            add_cross(factor_of_triple[t], m + 3 * triple[t][(i + 1) % 3], m + 3 * triple[t][(i + 2) % 3],
+                      g + 3 * triple[t][i]);
 }
 
-/* Edges of a tetrahedron from its first node, for vectors x[3 n_nodes]. */
-static void edges_of_tetrahedron(const int32_t *node, const double *x, double edge[9]) {
-    for (size_t i = 0; i < 9; i++)
-        edge[i] = x[3 * (size_t)node[1 + i / 3] + i % 3] - x[3 * (size_t)node[0] + i % 3];
+/* The gradient's change with the modes by dm. */
+static inline void add_gradient_change(size_t modes, const lanes *m, const lanes *dm, lanes *g) {
+    for (size_t t = 0; t < (modes == MODES ? TRIPLES : 1); t++)
+        for (size_t i = 0; i < 3; i++) {
+            const size_t a = 3 * triple[t][(i + 1) % 3], b = 3 * triple[t][(i + 2) % 3];
+            add_cross(factor_of_triple[t], dm + a, m + b, g + 3 * triple[t][i]);
+            add_cross(factor_of_triple[t], m + a, dm + b, g + 3 * triple[t][i]);
+        }
 }
 
-/* Derivative of the volume by the positions of all nodes but the first. */
-static void volume_gradient(const double edge[9], double g[9]) {
-    memset(g, 0, 9 * sizeof *g);
-    for (int i = 0; i < 3; i++)
-        add_scaled_cross_product(1.0 / 6.0, edge + 3 * ((i + 1) % 3), edge + 3 * ((i + 2) % 3), g + 3 * i);
+static inline void dot(size_t n, const lanes *a, const lanes *b, lanes *sum) {
+    *sum = a[0] * b[0];
+    for (size_t i = 1; i < n; i++)
+        *sum += a[i] * b[i];
 }
 
-/* Adds factor g to out on a tetrahedron's nodes; the first node gets what makes the sum zero. */
-static void spread_over_tetrahedron(const int32_t *node, double factor, const double g[9], double *out) {
-    for (size_t i = 0; i < 9; i++) {
-        out[3 * (size_t)node[1 + i / 3] + i % 3] += factor * g[i];
-        out[3 * (size_t)node[0] + i % 3] -= factor * g[i];
+/* Modes of a batch of solids, for vectors x[3 n_nodes]. */
+static inline void gather_modes(size_t corners, const int32_t *node, const double *x, lanes *m) {
+    double in[3 * CORNERS][BATCH];
+    lanes v[3 * CORNERS];
+    for (size_t i = 0; i < BATCH; i++)
+        for (size_t c = 0; c < corners; c++)
+            for (size_t k = 0; k < 3; k++)
+                in[3 * c + k][i] = x[3 * (size_t)node[corners * i + c] + k];
+    memcpy(v, in, 3 * corners * sizeof *v);
+    for (size_t k = 0; k < 3; k++) {
+        const lanes *c = v + k;
+        if (corners < CORNERS) {
+            for (size_t i = 0; i < 3; i++)
+                m[3 * i + k] = c[3 * i + 3] - c[0];
+            continue;
+        }
+        const lanes d0 = c[3] - c[0], d1 = c[9] - c[6], d2 = c[15] - c[12], d3 = c[21] - c[18];
+        const lanes s0 = c[3] + c[0], s1 = c[9] + c[6], s2 = c[15] + c[12], s3 = c[21] + c[18];
+        m[k] = d0 + d1 + (d2 + d3);
+        m[3 + k] = s1 - s0 + (s3 - s2);
+        m[6 + k] = s2 + s3 - (s0 + s1);
+        m[9 + k] = d1 - d0 + (d3 - d2);
+        m[12 + k] = d2 + d3 - (d0 + d1);
+        m[15 + k] = s0 - s1 + (s3 - s2);
+    }
+}
+
+/* out -= what forces f on the modes are on the corners. */
+static inline void subtract_on_corners(size_t corners, const int32_t *node, const lanes *f, double *out) {
+    lanes v[3 * CORNERS];
+    double to[3 * CORNERS][BATCH];
+    for (size_t k = 0; k < 3; k++) {
+        lanes *c = v + k;
+        if (corners < CORNERS) {
+            c[0] = -(f[k] + f[3 + k] + f[6 + k]);
+            for (size_t i = 0; i < 3; i++)
+                c[3 * i + 3] = f[3 * i + k];
+            continue;
+        }
+        const lanes d0 = f[k] - f[9 + k], d1 = f[k] + f[9 + k], e = f[12 + k];
+        const lanes s0 = f[3 + k] + f[6 + k], s1 = f[3 + k] - f[6 + k], t = f[15 + k];
+        const lanes d[4] = {d0 - e, d1 - e, d0 + e, d1 + e}, s[4] = {t - s0, s1 - t, -(s1 + t), s0 + t};
+        for (size_t i = 0; i < 4; i++) {
+            c[6 * i] = s[i] - d[i];
+            c[6 * i + 3] = s[i] + d[i];
+        }
+    }
+    memcpy(to, v, 3 * corners * sizeof *v);
+    for (size_t i = 0; i < BATCH; i++)
+        for (size_t c = 0; c < corners; c++)
+            for (size_t k = 0; k < 3; k++)
+                out[3 * (size_t)node[corners * i + c] + k] -= to[3 * c + k][i];
+}
+
+/* ---- the term ------------------------------------------------------------------------------------ */
+
+/* Solids without a cut element, in the mesh's order; the last batch is filled up with one of them. */
+static void find_whole_solids(volume *t, const palp_network *net) {
+    const size_t corners = t->corners;
+    t->n = 0;
+    for (size_t i = 0; i < t->n_all; i++) {
+        const int32_t *node = t->all + corners * i;
+        bool whole = true;
+        for (size_t a = 0; a < corners && net->scale; a++)
+            for (size_t b = 0; b < a; b++)
+                whole = whole && net->scale[palp_mesh_element_between(net->mesh, node[a], node[b])] > 0.0;
+        if (!whole)
+            continue;
+        memcpy(t->node + corners * t->n, node, corners * sizeof *node);
+        t->square[t->n] = 1.5 * pow(t->all_rest[i], 4.0 / 3.0) / (t->unit * t->unit); /* a cube's */
+        t->rest[t->n++] = t->all_rest[i];
+    }
+    for (size_t i = t->n; i % BATCH != 0; i++) {
+        memcpy(t->node + corners * i, t->node + corners * (t->n - 1), corners * sizeof *t->node);
+        t->rest[i] = t->rest[t->n - 1];
+    }
+    t->changes = net->surface_changes;
+}
+
+/* J, slope and curve of solid i, whose sum of determinants this is; nothing of one that fills up. */
+static void find_slope(volume *t, size_t i, double determinants) {
+    const double ratio = t->unit * determinants / t->rest[i], at = fmax(ratio, LEAST),
+                 k = i < t->n ? t->unit * t->modulus : 0.0;
+    t->ratio[i] = ratio;
+    t->slope[i] = k * (1.0 - 1.0 / at + (ratio - at) / (at * at));
+    t->curve[i] = k * t->unit / (at * at * t->rest[i]);
+}
+
+PALP_CLONES
+static void evaluate_batches(volume *t, const double *x, double *out) {
+    for (size_t at = 0; at < t->n; at += BATCH) {
+        lanes g[3 * MODES] = {{0.0}}, sum, slope, *m = (lanes *)(t->mode + 3 * t->modes * at);
+        gather_modes(t->corners, t->node + t->corners * at, x, m);
+        add_gradient(t->modes, m, g);
+        dot(3 * t->modes, m, g, &sum);
+        for (size_t i = 0; i < BATCH; i++)
+            find_slope(t, at + i, sum[i] / 3.0);
+        memcpy(&slope, t->slope + at, sizeof slope);
+        for (size_t i = 0; i < 3 * t->modes; i++)
+            g[i] *= slope;
+        subtract_on_corners(t->corners, t->node + t->corners * at, g, out);
     }
 }
 
 static void evaluate_volume_forces(network_term *term, palp_network *net) {
     volume *t = (volume *)term;
-    double g[9];
+    if (t->changes != net->surface_changes)
+        find_whole_solids(t, net);
+    evaluate_batches(t, net->next.x, net->outer);
     for (size_t i = 0; i < t->n; i++) {
-        const int32_t *node = t->node + 4 * i;
-        double *edge = t->edge + 9 * i;
-        edges_of_tetrahedron(node, net->next.x, edge);
-        volume_gradient(edge, g);
-        volume_energy_density(t->modulus, edge_dot_product(edge, g) / t->rest[i], &t->slope[i], &t->curve[i]);
-        t->curve[i] /= t->rest[i];
-        spread_over_tetrahedron(node, -t->slope[i], g, net->outer);
-        const double stiffness = t->curve[i] * (edge_dot_product(g, g) + edge_dot_product(g + 3, g + 3) +
-                                                edge_dot_product(g + 6, g + 6));
-        const double *place = net->next.x + 3 * (size_t)node[0];
-        net->outer_squares += stiffness * stiffness * edge_dot_product(place, place);
+        const double *place = net->next.x + 3 * (size_t)t->node[t->corners * i],
+                     stiffness = t->curve[i] * t->square[i];
+        net->outer_squares +=
+            stiffness * stiffness * (place[0] * place[0] + place[1] * place[1] + place[2] * place[2]);
     }
 }
 
 static bool add_volume_energy(const network_term *term, const palp_network *net, double *energy) {
     const volume *t = (const volume *)term;
-    double g[9], slope, curve;
     (void)net;
-    for (size_t i = 0; i < t->n; i++) {
-        volume_gradient(t->edge + 9 * i, g);
-        *energy +=
-            t->rest[i] * volume_energy_density(t->modulus, edge_dot_product(t->edge + 9 * i, g) / t->rest[i],
-                                               &slope, &curve);
-    }
+    for (size_t i = 0; i < t->n; i++)
+        *energy += t->rest[i] * volume_energy_density(t->modulus, t->ratio[i]);
     return true;
+}
+
+PALP_CLONES
+static void multiply_batches(const volume *t, const double *u, double *out) {
+    for (size_t at = 0; at < t->n; at += BATCH) {
+        const lanes *m = (const lanes *)(t->mode + 3 * t->modes * at);
+        lanes g[3 * MODES] = {{0.0}}, du[3 * MODES], more[3 * MODES] = {{0.0}}, slope, curve, along;
+        gather_modes(t->corners, t->node + t->corners * at, u, du);
+        add_gradient(t->modes, m, g);
+        add_gradient_change(t->modes, m, du, more);
+        memcpy(&slope, t->slope + at, sizeof slope);
+        memcpy(&curve, t->curve + at, sizeof curve);
+        dot(3 * t->modes, g, du, &along);
+        curve *= along;
+        for (size_t i = 0; i < 3 * t->modes; i++)
+            more[i] = -(curve * g[i] + slope * more[i]);
+        subtract_on_corners(t->corners, t->node + t->corners * at, more, out);
+    }
 }
 
 static void multiply_volume_tangent(const network_term *term, const palp_network *net, const double *u,
                                     double *out) {
-    const volume *t = (const volume *)term;
-    double g[9], du[9], more[9];
     (void)net;
-    for (size_t i = 0; i < t->n; i++) {
-        const double *edge = t->edge + 9 * i;
-        volume_gradient(edge, g);
-        edges_of_tetrahedron(t->node + 4 * i, u, du);
-        memset(more, 0, sizeof more);
-        double change = 0.0;
-        for (size_t k = 0; k < 9; k++)
-            change += g[k] * du[k];
-        for (int k = 0; k < 3; k++) {
-            add_scaled_cross_product(t->slope[i] / 6.0, du + 3 * ((k + 1) % 3), edge + 3 * ((k + 2) % 3),
-                                     more + 3 * k);
-            add_scaled_cross_product(t->slope[i] / 6.0, edge + 3 * ((k + 1) % 3), du + 3 * ((k + 2) % 3),
-                                     more + 3 * k);
-        }
-        spread_over_tetrahedron(t->node + 4 * i, t->curve[i] * change, g, out);
-        spread_over_tetrahedron(t->node + 4 * i, 1.0, more, out);
+    multiply_batches((const volume *)term, u, out);
+}
+
+/* Modes of solid i at the last evaluation, and its volume's derivative by each corner, over unit. */
+static void find_modes_and_gradient(const volume *t, size_t i, double m[MODES][3], double g[CORNERS][3]) {
+    const double *batch = t->mode + 3 * t->modes * (i - i % BATCH) + i % BATCH;
+    lanes all[3 * MODES], by_mode[3 * MODES] = {{0.0}};
+    for (size_t k = 0; k < 3 * t->modes; k++) {
+        m[k / 3][k % 3] = batch[BATCH * k];
+        all[k] = (lanes){batch[BATCH * k]};
     }
+    add_gradient(t->modes, all, by_mode);
+    for (size_t a = 0; a < t->corners; a++)
+        for (size_t k = 0; k < 3; k++) {
+            g[a][k] = 0.0;
+            for (size_t j = 0; j < t->modes; j++)
+                g[a][k] += t->sign[j][a] * by_mode[3 * j + k][0];
+        }
 }
 
-/* Block of nodes 1 + a and 1 + b: curve g g'; for two nodes also slope times the third edge's cross
- * product. */
-static void volume_block_between_nodes(const volume *t, size_t i, const double g[9], size_t a, size_t b,
-                                       double k[9]) {
-    for (size_t j = 0; j < 9; j++)
-        k[j] = t->curve[i] * g[3 * a + j / 3] * g[3 * b + j % 3];
-    if (a == b)
-        return;
-    const double *c = t->edge + 9 * i + 3 * (3 - a - b),
-                 s = ((b + 3 - a) % 3 == 1 ? -1.0 : 1.0) * t->slope[i] / 6.0;
-    k[1] -= s * c[2];
-    k[2] += s * c[1];
-    k[3] += s * c[2];
-    k[5] -= s * c[0];
-    k[6] -= s * c[1];
-    k[7] += s * c[0];
+/* Block of corners a and b: curve g g' and slope times the second derivative. */
+static void block_of_corners(const volume *t, size_t i, double m[MODES][3], double g[CORNERS][3],
+                             size_t a, size_t b, double k[9]) {
+    double s[3] = {0.0};
+    for (size_t j = 0; j < t->modes; j++)
+        for (size_t c = 0; c < 3; c++)
+            s[c] += t->slope[i] * t->turn[a][b][j] * m[j][c];
+    for (size_t c = 0; c < 9; c++)
+        k[c] = t->curve[i] * g[a][c / 3] * g[b][c % 3];
+    k[1] += s[2];
+    k[2] -= s[1];
+    k[3] -= s[2];
+    k[5] += s[0];
+    k[6] += s[1];
+    k[7] -= s[0];
 }
 
-/* The first node's blocks make the sums over each row and column zero. */
 static void take_part_of_volume_blocks(const network_term *term, const palp_network *net, size_t part,
                                        size_t parts, network_block_taker take, void *user) {
     const volume *t = (const volume *)term;
-    double g[9], k[9];
+    double m[MODES][3], g[CORNERS][3], k[9];
     (void)net;
     for (size_t i = t->n * part / parts; i < t->n * (part + 1) / parts; i++) {
-        const int32_t *node = t->node + 4 * i;
-        double first[9] = {0.0};
-        volume_gradient(t->edge + 9 * i, g);
-        for (size_t a = 0; a < 3; a++) {
-            double row[9] = {0.0};
-            for (size_t b = 0; b < 3; b++) {
-                volume_block_between_nodes(t, i, g, a, b, k);
-                for (size_t j = 0; j < 9; j++)
-                    row[j] -= k[j];
-                if (b <= a)
-                    take(user, node[1 + a], node[1 + b], k);
+        const int32_t *node = t->node + t->corners * i;
+        find_modes_and_gradient(t, i, m, g);
+        for (size_t a = 0; a < t->corners; a++)
+            for (size_t b = 0; b <= a; b++) {
+                block_of_corners(t, i, m, g, a, b, k);
+                take(user, node[a], node[b], k);
             }
-            take(user, node[1 + a], node[0], row);
-            for (size_t j = 0; j < 9; j++)
-                first[j] -= row[j];
-        }
-        take(user, node[0], node[0], first);
     }
 }
 
@@ -166,7 +286,21 @@ static void take_volume_blocks(const network_term *term, const palp_network *net
     take_part_of_volume_blocks(term, net, 0, 1, take, user);
 }
 
-static const network_term_kind VOLUME = {.evaluate = evaluate_volume_forces,
+/* A network of central springs has lambda = mu = 2/5 E, E its Young's modulus. What the volume adds to lambda
+ * makes Poisson's ratio lambda / (2 (lambda + mu)) the wanted one. */
+static void derive_volume_modulus(network_term *term, palp_network *net) {
+    volume *t = (volume *)term;
+    const double ratio = net->settings.poisson_ratio;
+    double stiffness;
+    if (!(ratio > 0.0))
+        return;
+    palp_law_stiffness(&net->material.law, 0.0, &stiffness, NULL);
+    t->modulus =
+        0.4 * (4.0 * ratio - 1.0) / (1.0 - 2.0 * ratio) * stiffness * t->length_m / (6.0 * t->volume_m3);
+}
+
+static const network_term_kind VOLUME = {.reset = derive_volume_modulus,
+                                         .evaluate = evaluate_volume_forces,
                                          .blocks = take_volume_blocks,
                                          .times = multiply_volume_tangent,
                                          .energy = add_volume_energy,
@@ -176,35 +310,96 @@ bool network_has_volume(const palp_network *net) {
     return network_find_term(net, &VOLUME);
 }
 
-/* Does the tangent have room for each pair of a tetrahedron's nodes? */
-static bool are_all_corners_joined(const palp_network *net, const int32_t node[4]) {
-    for (int a = 0; a < 4; a++)
-        for (int b = a + 1; b < 4; b++)
+/* ---- making it ----------------------------------------------------------------------------------- */
+
+static bool are_all_corners_joined(const palp_network *net, size_t corners, const int32_t *node) {
+    for (size_t a = 0; a < corners; a++)
+        for (size_t b = 0; b < a; b++)
             if (palp_mesh_element_between(net->mesh, node[a], node[b]) >= net->n_elements)
                 return false;
     return true;
 }
 
-palp_status network_add_volume(palp_network *net, double modulus_Pa) {
-    const size_t n = palp_mesh_tetrahedron_count(net->mesh);
-    const int32_t *node = palp_mesh_tetrahedra(net->mesh);
-    if (n == 0)
-        return PALP_ERR_UNSUPPORTED;
-    for (size_t i = 0; i < n; i++)
-        if (!are_all_corners_joined(net, node + 4 * i) || !(mesh_volume6(net->rest, node + 4 * i) > 0.0))
+/* signs: the modes as sums over corners. turn: a term of the volume is factor det(i, j, k), with the sums for
+ * the modes i, j, k; derived by corner a in one and by b in another it is a determinant with the third. */
+static void set_up_modes(volume *t) {
+    const bool cells = t->corners == CORNERS;
+    t->unit = cells ? 1.0 / 64.0 : 1.0 / 6.0;
+    for (size_t j = 0; j < t->modes; j++)
+        for (size_t c = 0; c < t->corners; c++) {
+            const size_t odd = ~c & of_axes[j];
+            t->sign[j][c] = cells    ? ((odd & 1) + (odd >> 1 & 1) + (odd >> 2 & 1)) % 2 ? -1.0 : 1.0
+                            : c == 0 ? -1.0
+                                     : c == j + 1;
+        }
+    for (size_t a = 0; a < t->corners; a++)
+        for (size_t b = 0; b < t->corners; b++)
+            for (size_t n = 0; n < 3 * (cells ? TRIPLES : 1); n++) {
+                const unsigned char *mode = triple[n / 3];
+                const double *first = t->sign[mode[(n + 1) % 3]], *second = t->sign[mode[(n + 2) % 3]];
+                t->turn[a][b][mode[n % 3]] +=
+                    factor_of_triple[n / 3] * (first[a] * second[b] - second[a] * first[b]);
+            }
+}
+
+/* Volume of one solid with its corners at x. */
+static double solid_volume(const volume *t, const int32_t *corner, const double *x) {
+    int32_t node[BATCH * CORNERS];
+    lanes m[3 * MODES], g[3 * MODES] = {{0.0}}, sum;
+    for (size_t i = 0; i < BATCH * t->corners; i++)
+        node[i] = corner[i % t->corners];
+    gather_modes(t->corners, node, x, m);
+    add_gradient(t->modes, m, g);
+    dot(3 * t->modes, m, g, &sum);
+    return t->unit * sum[0] / 3.0;
+}
+
+/* Corners and volumes of the mesh's cells, turned over if that makes their volume positive, or tetrahedra. */
+static palp_status list_solids(volume *t, const palp_network *net) {
+    for (size_t i = 0; i < t->n_all; i++) {
+        int32_t *node = t->all + t->corners * i;
+        const bool cells = t->corners == CORNERS;
+        const int32_t *given = (cells ? net->mesh->hexahedra : net->mesh->tetrahedra) + t->corners * i;
+        for (size_t turned = 0; turned < 2 && !(t->all_rest[i] > 0.0); turned++) {
+            for (size_t c = 0; c < t->corners; c++)
+                node[c] = given[cells ? gmsh_corner[turned ? c ^ 1 : c] : c];
+            t->all_rest[i] = solid_volume(t, node, net->rest);
+        }
+        if (!(t->all_rest[i] > 0.0) || !are_all_corners_joined(net, t->corners, node))
             return PALP_ERR_UNSUPPORTED;
+    }
+    find_whole_solids(t, net);
+    return PALP_OK;
+}
+
+static palp_status allocate_solids(volume *t, size_t n) {
+    arena *memory = &t->term.memory;
+    const size_t room = n + BATCH;
+    t->all = arena_take(memory, t->corners * room, sizeof *t->all);
+    t->node = arena_take(memory, t->corners * room, sizeof *t->node);
+    t->mode = arena_take(memory, 3 * t->modes * room, sizeof *t->mode);
+    double **of_solid[] = {&t->all_rest, &t->rest, &t->square, &t->ratio, &t->slope, &t->curve};
+    for (size_t i = 0; i < sizeof of_solid / sizeof *of_solid; i++)
+        *of_solid[i] = arena_take(memory, room, sizeof **of_solid[i]);
+    return memory->failed ? PALP_ERR_NO_MEMORY : PALP_OK;
+}
+
+palp_status network_add_volume(palp_network *net) {
+    const bool cells = mesh_has_cells(net->mesh);
     volume *t = network_term_new(&VOLUME, sizeof *t);
     if (!t)
         return PALP_ERR_NO_MEMORY;
-    arena *memory = &t->term.memory;
-    t->modulus = modulus_Pa;
-    t->n = n;
-    t->node = node;
-    t->rest = arena_take(memory, n, sizeof *t->rest);
-    t->edge = arena_take(memory, 9 * n, sizeof *t->edge);
-    t->slope = arena_take(memory, n, sizeof *t->slope);
-    t->curve = arena_take(memory, n, sizeof *t->curve);
-    for (size_t i = 0; i < n && !memory->failed; i++)
-        t->rest[i] = mesh_volume6(net->rest, node + 4 * i) / 6.0;
-    return network_add_terms(net, 1, (network_term *[]){(network_term *)t});
+    t->modulus = net->settings.volume_modulus_Pa;
+    t->volume_m3 = mesh_volume(net->mesh, NULL);
+    t->length_m = network_shared_length(net);
+    t->corners = cells ? CORNERS : 4;
+    t->modes = cells ? MODES : 3;
+    t->n_all = cells ? net->mesh->n_hexahedra : net->mesh->n_tetrahedra;
+    set_up_modes(t);
+    palp_status status = t->n_all > 0 ? allocate_solids(t, t->n_all) : PALP_ERR_UNSUPPORTED;
+    if (!status)
+        status = list_solids(t, net);
+    if (status)
+        network_term_free(&t->term);
+    return status ? status : network_add_terms(net, 1, (network_term *[]){&t->term});
 }
