@@ -385,7 +385,7 @@ static palp_status allocate_solids(volume *t, size_t n) {
 }
 
 palp_status network_add_volume(palp_network *net) {
-    const bool cells = mesh_has_cells(net->mesh);
+    const bool cells = net->settings.poisson_ratio > 0.0 && mesh_has_cells(net->mesh);
     volume *t = network_term_new(&VOLUME, sizeof *t);
     if (!t)
         return PALP_ERR_NO_MEMORY;
