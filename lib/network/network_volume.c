@@ -33,7 +33,7 @@ typedef struct volume {
     size_t n_all, n, changes; /* solids; those without a cut element; surface_changes when they were found */
     int32_t *all, *node;      /* [corners n_all] and, of those in use, [corners (n_all + BATCH)] */
     double *all_rest, *rest;  /* [n_all], [n_all + BATCH] m^3 */
-    double *square;           /* [n_all] of the volume's gradient by all corners, about, m^4 */
+    double squares;           /* of stiffness times position, over modulus squared, at rest, m^4 */
     double unit;              /* volume over the sum of these determinants */
     double sign[MODES][CORNERS];          /* a mode is the sum of sign times corner */
     double turn[CORNERS][CORNERS][MODES]; /* the volume's second derivative by corners a and b is u (v x sum
@@ -51,23 +51,30 @@ static double volume_energy_density(double k, double ratio) {
 
 /* ---- batches ------------------------------------------------------------------------------------- */
 
+/* The functions below are made for each kind of solid and, in PALP_CLONES, of processor. */
+#define INLINE static inline __attribute__((always_inline))
+
 /* out += f a x b */
-static inline void add_cross(double f, const lanes *a, const lanes *b, lanes *out) {
+INLINE void add_cross(double f, const lanes *a, const lanes *b, lanes *out) {
     out[0] += f * (a[1] * b[2] - a[2] * b[1]);
     out[1] += f * (a[2] * b[0] - a[0] * b[2]);
     out[2] += f * (a[0] * b[1] - a[1] * b[0]);
 }
 
-/* g += the volume's derivative by each mode. */
-static inline void add_gradient(size_t modes, const lanes *m, lanes *g) {
+/* g = the volume's derivative by each mode. */
+INLINE void find_gradient(size_t modes, const lanes *m, lanes *g) {
+    for (size_t i = 0; i < 3 * modes; i++)
+        g[i] = (lanes){0.0};
     for (size_t t = 0; t < (modes == MODES ? TRIPLES : 1); t++)
         for (size_t i = 0; i < 3; i++)
             add_cross(factor_of_triple[t], m + 3 * triple[t][(i + 1) % 3], m + 3 * triple[t][(i + 2) % 3],
                       g + 3 * triple[t][i]);
 }
 
-/* The gradient's change with the modes by dm. */
-static inline void add_gradient_change(size_t modes, const lanes *m, const lanes *dm, lanes *g) {
+/* g = the gradient's change with the modes by dm. */
+INLINE void find_gradient_change(size_t modes, const lanes *m, const lanes *dm, lanes *g) {
+    for (size_t i = 0; i < 3 * modes; i++)
+        g[i] = (lanes){0.0};
     for (size_t t = 0; t < (modes == MODES ? TRIPLES : 1); t++)
         for (size_t i = 0; i < 3; i++) {
             const size_t a = 3 * triple[t][(i + 1) % 3], b = 3 * triple[t][(i + 2) % 3];
@@ -76,64 +83,64 @@ static inline void add_gradient_change(size_t modes, const lanes *m, const lanes
         }
 }
 
-static inline void dot(size_t n, const lanes *a, const lanes *b, lanes *sum) {
+INLINE void dot(size_t n, const lanes *a, const lanes *b, lanes *sum) {
     *sum = a[0] * b[0];
     for (size_t i = 1; i < n; i++)
         *sum += a[i] * b[i];
 }
 
+/* Modes of cells along an axis, whose corners are at c, and forces on the corners by forces on the modes. */
+INLINE void find_cell_modes(const lanes *c, lanes *m) {
+    const lanes d0 = c[1] - c[0], d1 = c[3] - c[2], d2 = c[5] - c[4], d3 = c[7] - c[6];
+    const lanes s0 = c[1] + c[0], s1 = c[3] + c[2], s2 = c[5] + c[4], s3 = c[7] + c[6];
+    m[0] = d0 + d1 + (d2 + d3);
+    m[3] = s1 - s0 + (s3 - s2);
+    m[6] = s2 + s3 - (s0 + s1);
+    m[9] = d1 - d0 + (d3 - d2);
+    m[12] = d2 + d3 - (d0 + d1);
+    m[15] = s0 - s1 + (s3 - s2);
+}
+
+INLINE void find_cell_forces(const lanes *f, lanes *c) {
+    const lanes d0 = f[0] - f[9], d1 = f[0] + f[9], e = f[12], s0 = f[3] + f[6], s1 = f[3] - f[6], t = f[15];
+    const lanes d[4] = {d0 - e, d1 - e, d0 + e, d1 + e}, s[4] = {t - s0, s1 - t, -(s1 + t), s0 + t};
+    for (size_t i = 0; i < 4; i++) {
+        c[2 * i] = s[i] - d[i];
+        c[2 * i + 1] = s[i] + d[i];
+    }
+}
+
 /* Modes of a batch of solids, for vectors x[3 n_nodes]. */
-static inline void gather_modes(size_t corners, const int32_t *node, const double *x, lanes *m) {
-    double in[3 * CORNERS][BATCH];
-    lanes v[3 * CORNERS];
-    for (size_t i = 0; i < BATCH; i++)
-        for (size_t c = 0; c < corners; c++)
-            for (size_t k = 0; k < 3; k++)
-                in[3 * c + k][i] = x[3 * (size_t)node[corners * i + c] + k];
-    memcpy(v, in, 3 * corners * sizeof *v);
+INLINE void gather_modes(size_t corners, const int32_t *node, const double *x, lanes *m) {
+    const int32_t *second = node + corners, *third = second + corners, *fourth = third + corners;
     for (size_t k = 0; k < 3; k++) {
-        const lanes *c = v + k;
-        if (corners < CORNERS) {
-            for (size_t i = 0; i < 3; i++)
-                m[3 * i + k] = c[3 * i + 3] - c[0];
-            continue;
+        lanes c[CORNERS] = {{0.0}};
+        for (size_t i = 0; i < corners; i++) {
+            const double of_each[BATCH] = {x[3 * (size_t)node[i] + k], x[3 * (size_t)second[i] + k],
+                                           x[3 * (size_t)third[i] + k], x[3 * (size_t)fourth[i] + k]};
+            memcpy(c + i, of_each, sizeof of_each);
         }
-        const lanes d0 = c[3] - c[0], d1 = c[9] - c[6], d2 = c[15] - c[12], d3 = c[21] - c[18];
-        const lanes s0 = c[3] + c[0], s1 = c[9] + c[6], s2 = c[15] + c[12], s3 = c[21] + c[18];
-        m[k] = d0 + d1 + (d2 + d3);
-        m[3 + k] = s1 - s0 + (s3 - s2);
-        m[6 + k] = s2 + s3 - (s0 + s1);
-        m[9 + k] = d1 - d0 + (d3 - d2);
-        m[12 + k] = d2 + d3 - (d0 + d1);
-        m[15 + k] = s0 - s1 + (s3 - s2);
+        if (corners == CORNERS)
+            find_cell_modes(c, m + k);
+        for (size_t i = 0; i < 3 && corners < CORNERS; i++)
+            m[3 * i + k] = c[i + 1] - c[0];
     }
 }
 
 /* out -= what forces f on the modes are on the corners. */
-static inline void subtract_on_corners(size_t corners, const int32_t *node, const lanes *f, double *out) {
-    lanes v[3 * CORNERS];
-    double to[3 * CORNERS][BATCH];
+INLINE void subtract_on_corners(size_t corners, const int32_t *node, const lanes *f, double *out) {
     for (size_t k = 0; k < 3; k++) {
-        lanes *c = v + k;
-        if (corners < CORNERS) {
-            c[0] = -(f[k] + f[3 + k] + f[6 + k]);
-            for (size_t i = 0; i < 3; i++)
-                c[3 * i + 3] = f[3 * i + k];
-            continue;
+        lanes c[CORNERS] = {{0.0}};
+        if (corners == CORNERS)
+            find_cell_forces(f + k, c);
+        for (size_t i = 0; i < 3 && corners < CORNERS; i++) {
+            c[i + 1] = f[3 * i + k];
+            c[0] -= c[i + 1];
         }
-        const lanes d0 = f[k] - f[9 + k], d1 = f[k] + f[9 + k], e = f[12 + k];
-        const lanes s0 = f[3 + k] + f[6 + k], s1 = f[3 + k] - f[6 + k], t = f[15 + k];
-        const lanes d[4] = {d0 - e, d1 - e, d0 + e, d1 + e}, s[4] = {t - s0, s1 - t, -(s1 + t), s0 + t};
-        for (size_t i = 0; i < 4; i++) {
-            c[6 * i] = s[i] - d[i];
-            c[6 * i + 3] = s[i] + d[i];
-        }
+        for (size_t i = 0; i < BATCH; i++)
+            for (size_t j = 0; j < corners; j++)
+                out[3 * (size_t)node[corners * i + j] + k] -= c[j][i];
     }
-    memcpy(to, v, 3 * corners * sizeof *v);
-    for (size_t i = 0; i < BATCH; i++)
-        for (size_t c = 0; c < corners; c++)
-            for (size_t k = 0; k < 3; k++)
-                out[3 * (size_t)node[corners * i + c] + k] -= to[3 * c + k][i];
 }
 
 /* ---- the term ------------------------------------------------------------------------------------ */
@@ -142,6 +149,7 @@ static inline void subtract_on_corners(size_t corners, const int32_t *node, cons
 static void find_whole_solids(volume *t, const palp_network *net) {
     const size_t corners = t->corners;
     t->n = 0;
+    t->squares = 0.0;
     for (size_t i = 0; i < t->n_all; i++) {
         const int32_t *node = t->all + corners * i;
         bool whole = true;
@@ -151,7 +159,8 @@ static void find_whole_solids(volume *t, const palp_network *net) {
         if (!whole)
             continue;
         memcpy(t->node + corners * t->n, node, corners * sizeof *node);
-        t->square[t->n] = 1.5 * pow(t->all_rest[i], 4.0 / 3.0) / (t->unit * t->unit); /* a cube's */
+        const double *place = net->rest + 3 * (size_t)node[0];
+        t->squares += 2.25 * pow(t->all_rest[i], 2.0 / 3.0) * network_dot(place, place, 3); /* of a cube */
         t->rest[t->n++] = t->all_rest[i];
     }
     for (size_t i = t->n; i % BATCH != 0; i++) {
@@ -161,29 +170,45 @@ static void find_whole_solids(volume *t, const palp_network *net) {
     t->changes = net->surface_changes;
 }
 
-/* J, slope and curve of solid i, whose sum of determinants this is; nothing of one that fills up. */
-static void find_slope(volume *t, size_t i, double determinants) {
-    const double ratio = t->unit * determinants / t->rest[i], at = fmax(ratio, LEAST),
-                 k = i < t->n ? t->unit * t->modulus : 0.0;
-    t->ratio[i] = ratio;
-    t->slope[i] = k * (1.0 - 1.0 / at + (ratio - at) / (at * at));
-    t->curve[i] = k * t->unit / (at * at * t->rest[i]);
+/* J, slope and curve of the batch at this solid, whose sums of determinants these are. Solids that fill it up
+ * have no modulus. */
+INLINE void find_slopes(volume *t, size_t at, const lanes *determinants, lanes *slope) {
+    lanes rest, ratio, least, k, inverse;
+    memcpy(&rest, t->rest + at, sizeof rest);
+    ratio = t->unit * *determinants / rest;
+    for (size_t i = 0; i < BATCH; i++) {
+        least[i] = ratio[i] > LEAST ? ratio[i] : LEAST;
+        k[i] = at + i < t->n ? t->unit * t->modulus : 0.0;
+    }
+    inverse = 1.0 / least;
+    *slope = k * (1.0 - inverse + (ratio - least) * inverse * inverse);
+    k *= t->unit * inverse * inverse / rest;
+    memcpy(t->ratio + at, &ratio, sizeof ratio);
+    memcpy(t->slope + at, slope, sizeof *slope);
+    memcpy(t->curve + at, &k, sizeof k);
+}
+
+INLINE void evaluate_solids(volume *t, size_t corners, size_t modes, const double *x, double *out) {
+    for (size_t at = 0; at < t->n; at += BATCH) {
+        const int32_t *node = t->node + corners * at;
+        lanes g[3 * MODES], sum, slope, *m = (lanes *)(t->mode + 3 * modes * at);
+        gather_modes(corners, node, x, m);
+        find_gradient(modes, m, g);
+        dot(3 * modes, m, g, &sum);
+        sum /= 3.0;
+        find_slopes(t, at, &sum, &slope);
+        for (size_t i = 0; i < 3 * modes; i++)
+            g[i] *= slope;
+        subtract_on_corners(corners, node, g, out);
+    }
 }
 
 PALP_CLONES
 static void evaluate_batches(volume *t, const double *x, double *out) {
-    for (size_t at = 0; at < t->n; at += BATCH) {
-        lanes g[3 * MODES] = {{0.0}}, sum, slope, *m = (lanes *)(t->mode + 3 * t->modes * at);
-        gather_modes(t->corners, t->node + t->corners * at, x, m);
-        add_gradient(t->modes, m, g);
-        dot(3 * t->modes, m, g, &sum);
-        for (size_t i = 0; i < BATCH; i++)
-            find_slope(t, at + i, sum[i] / 3.0);
-        memcpy(&slope, t->slope + at, sizeof slope);
-        for (size_t i = 0; i < 3 * t->modes; i++)
-            g[i] *= slope;
-        subtract_on_corners(t->corners, t->node + t->corners * at, g, out);
-    }
+    if (t->corners == CORNERS)
+        evaluate_solids(t, CORNERS, MODES, x, out);
+    else
+        evaluate_solids(t, 4, 3, x, out);
 }
 
 static void evaluate_volume_forces(network_term *term, palp_network *net) {
@@ -191,12 +216,7 @@ static void evaluate_volume_forces(network_term *term, palp_network *net) {
     if (t->changes != net->surface_changes)
         find_whole_solids(t, net);
     evaluate_batches(t, net->next.x, net->outer);
-    for (size_t i = 0; i < t->n; i++) {
-        const double *place = net->next.x + 3 * (size_t)t->node[t->corners * i],
-                     stiffness = t->curve[i] * t->square[i];
-        net->outer_squares +=
-            stiffness * stiffness * (place[0] * place[0] + place[1] * place[1] + place[2] * place[2]);
-    }
+    net->outer_squares += t->modulus * t->modulus * t->squares;
 }
 
 static bool add_volume_energy(const network_term *term, const palp_network *net, double *energy) {
@@ -207,22 +227,30 @@ static bool add_volume_energy(const network_term *term, const palp_network *net,
     return true;
 }
 
-PALP_CLONES
-static void multiply_batches(const volume *t, const double *u, double *out) {
+INLINE void multiply_solids(const volume *t, size_t corners, size_t modes, const double *u, double *out) {
     for (size_t at = 0; at < t->n; at += BATCH) {
-        const lanes *m = (const lanes *)(t->mode + 3 * t->modes * at);
-        lanes g[3 * MODES] = {{0.0}}, du[3 * MODES], more[3 * MODES] = {{0.0}}, slope, curve, along;
-        gather_modes(t->corners, t->node + t->corners * at, u, du);
-        add_gradient(t->modes, m, g);
-        add_gradient_change(t->modes, m, du, more);
+        const int32_t *node = t->node + corners * at;
+        const lanes *m = (const lanes *)(t->mode + 3 * modes * at);
+        lanes g[3 * MODES], du[3 * MODES], more[3 * MODES], slope, curve, along;
+        gather_modes(corners, node, u, du);
+        find_gradient(modes, m, g);
+        find_gradient_change(modes, m, du, more);
         memcpy(&slope, t->slope + at, sizeof slope);
         memcpy(&curve, t->curve + at, sizeof curve);
-        dot(3 * t->modes, g, du, &along);
+        dot(3 * modes, g, du, &along);
         curve *= along;
-        for (size_t i = 0; i < 3 * t->modes; i++)
+        for (size_t i = 0; i < 3 * modes; i++)
             more[i] = -(curve * g[i] + slope * more[i]);
-        subtract_on_corners(t->corners, t->node + t->corners * at, more, out);
+        subtract_on_corners(corners, node, more, out);
     }
+}
+
+PALP_CLONES
+static void multiply_batches(const volume *t, const double *u, double *out) {
+    if (t->corners == CORNERS)
+        multiply_solids(t, CORNERS, MODES, u, out);
+    else
+        multiply_solids(t, 4, 3, u, out);
 }
 
 static void multiply_volume_tangent(const network_term *term, const palp_network *net, const double *u,
@@ -234,12 +262,12 @@ static void multiply_volume_tangent(const network_term *term, const palp_network
 /* Modes of solid i at the last evaluation, and its volume's derivative by each corner, over unit. */
 static void find_modes_and_gradient(const volume *t, size_t i, double m[MODES][3], double g[CORNERS][3]) {
     const double *batch = t->mode + 3 * t->modes * (i - i % BATCH) + i % BATCH;
-    lanes all[3 * MODES], by_mode[3 * MODES] = {{0.0}};
+    lanes all[3 * MODES], by_mode[3 * MODES];
     for (size_t k = 0; k < 3 * t->modes; k++) {
         m[k / 3][k % 3] = batch[BATCH * k];
         all[k] = (lanes){batch[BATCH * k]};
     }
-    add_gradient(t->modes, all, by_mode);
+    find_gradient(t->modes, all, by_mode);
     for (size_t a = 0; a < t->corners; a++)
         for (size_t k = 0; k < 3; k++) {
             g[a][k] = 0.0;
@@ -249,8 +277,8 @@ static void find_modes_and_gradient(const volume *t, size_t i, double m[MODES][3
 }
 
 /* Block of corners a and b: curve g g' and slope times the second derivative. */
-static void block_of_corners(const volume *t, size_t i, double m[MODES][3], double g[CORNERS][3],
-                             size_t a, size_t b, double k[9]) {
+static void block_of_corners(const volume *t, size_t i, double m[MODES][3], double g[CORNERS][3], size_t a,
+                             size_t b, double k[9]) {
     double s[3] = {0.0};
     for (size_t j = 0; j < t->modes; j++)
         for (size_t c = 0; c < 3; c++)
@@ -299,15 +327,21 @@ static void derive_volume_modulus(network_term *term, palp_network *net) {
         0.4 * (4.0 * ratio - 1.0) / (1.0 - 2.0 * ratio) * stiffness * t->length_m / (6.0 * t->volume_m3);
 }
 
-static const network_term_kind VOLUME = {.reset = derive_volume_modulus,
-                                         .evaluate = evaluate_volume_forces,
-                                         .blocks = take_volume_blocks,
-                                         .times = multiply_volume_tangent,
-                                         .energy = add_volume_energy,
-                                         .blocks_part = take_part_of_volume_blocks};
+#define VOLUME_OF(corners)                                                                                   \
+    {                                                                                                        \
+        .reset = derive_volume_modulus, .evaluate = evaluate_volume_forces, .blocks = take_volume_blocks,    \
+        .times = multiply_volume_tangent, .energy = add_volume_energy, .spread = (corners),                  \
+        .blocks_part = take_part_of_volume_blocks                                                            \
+    }
+static const network_term_kind TETRAHEDRA = VOLUME_OF(4), CELLS = VOLUME_OF(CORNERS);
+
+static volume *find_volume_term(const palp_network *net) {
+    network_term *cells = network_find_term(net, &CELLS);
+    return (volume *)(cells ? cells : network_find_term(net, &TETRAHEDRA));
+}
 
 bool network_has_volume(const palp_network *net) {
-    return network_find_term(net, &VOLUME);
+    return find_volume_term(net);
 }
 
 /* ---- making it ----------------------------------------------------------------------------------- */
@@ -345,11 +379,11 @@ static void set_up_modes(volume *t) {
 /* Volume of one solid with its corners at x. */
 static double solid_volume(const volume *t, const int32_t *corner, const double *x) {
     int32_t node[BATCH * CORNERS];
-    lanes m[3 * MODES], g[3 * MODES] = {{0.0}}, sum;
+    lanes m[3 * MODES], g[3 * MODES], sum;
     for (size_t i = 0; i < BATCH * t->corners; i++)
         node[i] = corner[i % t->corners];
     gather_modes(t->corners, node, x, m);
-    add_gradient(t->modes, m, g);
+    find_gradient(t->modes, m, g);
     dot(3 * t->modes, m, g, &sum);
     return t->unit * sum[0] / 3.0;
 }
@@ -378,7 +412,7 @@ static palp_status allocate_solids(volume *t, size_t n) {
     t->all = arena_take(memory, t->corners * room, sizeof *t->all);
     t->node = arena_take(memory, t->corners * room, sizeof *t->node);
     t->mode = arena_take(memory, 3 * t->modes * room, sizeof *t->mode);
-    double **of_solid[] = {&t->all_rest, &t->rest, &t->square, &t->ratio, &t->slope, &t->curve};
+    double **of_solid[] = {&t->all_rest, &t->rest, &t->ratio, &t->slope, &t->curve};
     for (size_t i = 0; i < sizeof of_solid / sizeof *of_solid; i++)
         *of_solid[i] = arena_take(memory, room, sizeof **of_solid[i]);
     return memory->failed ? PALP_ERR_NO_MEMORY : PALP_OK;
@@ -386,7 +420,7 @@ static palp_status allocate_solids(volume *t, size_t n) {
 
 palp_status network_add_volume(palp_network *net) {
     const bool cells = net->settings.poisson_ratio > 0.0 && mesh_has_cells(net->mesh);
-    volume *t = network_term_new(&VOLUME, sizeof *t);
+    volume *t = network_term_new(cells ? &CELLS : &TETRAHEDRA, sizeof *t);
     if (!t)
         return PALP_ERR_NO_MEMORY;
     t->modulus = net->settings.volume_modulus_Pa;

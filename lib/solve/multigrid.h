@@ -52,9 +52,9 @@ float *multigrid_exchange(multigrid *mg, float *element);
 multigrid_source multigrid_used(multigrid *mg); /* the input of the set in use */
 
 /* Room for blocks of terms on all nodes: one between the nodes of each element, one on each node. Their sum
- * must be positive semidefinite, or nearly. It is at most four times the sum of own blocks, as for
- * tetrahedra. */
-palp_status multigrid_make_room(multigrid *mg);
+ * must be positive semidefinite, or nearly. It is at most spread times the sum of own blocks: 4 for
+ * tetrahedra, 8 for cells. */
+palp_status multigrid_make_room(multigrid *mg, double spread);
 void multigrid_clear_blocks(multigrid *mg); /* of the next set's input */
 
 /* Adds a block, by rows: a node's own, or one of the two between nodes that an element joins. */

@@ -5,7 +5,8 @@
 
 #include <string.h>
 
-palp_status multigrid_make_room(multigrid *mg) {
+palp_status multigrid_make_room(multigrid *mg, double spread) {
+    mg->spread = spread;
     mg->n_between = 9 * (mg->nodes / 2);
     mg->n_beside = 6 * mg->n_nodes;
     for (size_t k = 0; k < 2; k++) {

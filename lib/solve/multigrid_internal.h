@@ -69,6 +69,7 @@ struct multigrid {
     float *between[2], *beside[2]; /* [n_between] blocks between nodes, rows of the lower; [n_beside] own
                                       blocks; or NULL and 0 */
     size_t n_between, n_beside;
+    double spread; /* bound of their sum, over own blocks */
     float
         *touched; /* [6 n_nodes] own blocks and couplings of the set in use, from the last multigrid_touch */
     multigrid_coupling *touching;

@@ -129,12 +129,13 @@ static bool invert_free_diagonal_block(mg_level *l, int set, size_t i, const flo
 }
 
 /* b[12]: the own block i that sweeps invert. With several levels, own further blocks of the finest level
- * count one and a half times. Together they reach four times their own blocks, elements only twice, and
- * damped Jacobi must stay a contraction. */
+ * count more, for four times one and a half times. Together they reach spread times their own blocks, elements
+ * only twice, and damped Jacobi must stay a contraction. */
 static void block_of_sweep(const multigrid *mg, const mg_level *l, int set, size_t i, float *b) {
     memcpy(b, l->own[set] + BLOCK_FLOATS * i, BLOCK_FLOATS * sizeof *b);
     if (l == mg->level && mg->n_levels > 1 && multigrid_has_between(mg, set))
-        add_symmetric_block(b, mg->beside[set] + 6 * i, 0.5F, l->axes[i], l->axes[i]);
+        add_symmetric_block(b, mg->beside[set] + 6 * i, (float)(0.375 * mg->spread - 1.0), l->axes[i],
+                            l->axes[i]);
 }
 
 static bool invert_diagonal_of_row(multigrid *mg, mg_level *l, size_t i) {

@@ -120,7 +120,7 @@ static inline multigrid *make(const body *b, size_t direct) {
     multigrid *mg;
     ck_assert_int_eq(multigrid_create(NODES, b->x, b->dof, b->n_pairs, b->pair, direct, &mg), PALP_OK);
     if (b->further[0] != 0.0)
-        ck_assert_int_eq(multigrid_make_room(mg), PALP_OK);
+        ck_assert_int_eq(multigrid_make_room(mg, 4.0), PALP_OK);
     return mg;
 }
 
