@@ -35,6 +35,20 @@ static palp_status reserve(force_curve *c, const palp_network *net, size_t n) {
     return PALP_OK;
 }
 
+/* Adds to g[p] what the law changes of the force by way of the volume's modulus, which is proportional to its
+ * stiffness at rest. After network_weights. */
+static void add_volume_gradient(const palp_network *net, size_t p, double *g) {
+    static const double SMALL = 1e-9;
+    double one[PALP_LAW_MAX], rest;
+    if (!(net->settings.poisson_ratio > 0.0))
+        return;
+    palp_law_stiffness(&net->material.law, 0.0, &rest, NULL);
+    palp_law_gradient(&net->material.law, SMALL, one);
+    const double share = -network_dot(net->outer, net->fint, 3 * net->n_nodes) / (SMALL * rest);
+    for (size_t k = 0; k < p; k++)
+        g[k] += share * one[k];
+}
+
 /* The state just solved becomes the curve's next point. */
 static palp_status add_point(force_curve *c, palp_network *net, double force, bool with_gradient) {
     palp_status status = reserve(c, net, c->n + 1);
@@ -54,6 +68,8 @@ static palp_status add_point(force_curve *c, palp_network *net, double force, bo
             for (size_t k = 0; k < p; k++)
                 g[k] += c->weight[i] * one[k];
         }
+        if (!status)
+            add_volume_gradient(net, p, g);
     }
     c->n += !status;
     return status;

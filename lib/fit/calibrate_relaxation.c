@@ -57,6 +57,7 @@ static void add_own(relaxation *s, size_t k, double scale) {
         palp_law_force(&s->net->material.law, m, s->net->strain, elastic, NULL, NULL);
         for (size_t i = 0; i < m; i++)
             s->slopes.partial[k * m + i] += elastic[i] / scale;
+        s->slopes.outer = s->net->settings.poisson_ratio > 0.0 ? 1.0 / scale : 0.0; /* its modulus follows */
         return;
     }
     for (size_t j = p->first; j <= p->last; j++) {
@@ -74,6 +75,7 @@ static palp_status advance_sensitivities(relaxation *s, double scale, double *gr
     step_slopes_begin(&s->slopes, s->weight);
     for (size_t k = 0; k < s->n; k++) {
         step_slopes_carry(&s->slopes, k);
+        s->slopes.outer = 0.0;
         add_own(s, k, scale);
         gradient[k] = step_slopes_force(&s->slopes, k, 0.0);
         step_slopes_equilibrate(&s->slopes, k, 0.0, 0.0);

@@ -79,7 +79,7 @@ void step_slopes_add_arm(step_slopes *s, size_t k, size_t j, const effect_arm *o
 double step_slopes_force(const step_slopes *s, size_t k, double stiffer) {
     const palp_network *net = s->net;
     const double *partial = s->partial + k * s->m, *spring = network_foundation(net);
-    double sum = 0.0;
+    double sum = s->outer != 0.0 ? -s->outer * network_dot(net->outer, s->drive, 3 * net->n_nodes) : 0.0;
     for (size_t i = 0; i < s->m; i++)
         sum += s->weight[i] * partial[i];
     for (size_t i = 0; i < 3 * net->n_nodes && stiffer != 0.0; i++)
@@ -93,7 +93,8 @@ static void solve_displacement_slopes(step_slopes *s, size_t k, double stiffer, 
     palp_network *net = s->net;
     const double *partial = s->partial + k * s->m, *spring = network_foundation(net);
     double *u = net->fint;
-    memset(u, 0, 3 * net->n_nodes * sizeof *u);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        u[i] = s->outer != 0.0 ? s->outer * net->outer[i] : 0.0;
     for (size_t i = 0; i < s->m; i++)
         for (size_t c = 0; c < 3; c++) {
             double f = partial[i] * net->direction[c * s->m + i] * (net->scale ? net->scale[i] : 1.0);

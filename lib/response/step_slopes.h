@@ -19,6 +19,7 @@ typedef struct step_slopes {
     double *by_peak;             /* [m] of the element force: set by the caller if springs are damaged */
     double *drive;               /* [3 n_nodes] displacement per depth */
     const double *weight;        /* [m] owned by the caller */
+    double outer; /* set by the caller for each column: derivative of the logarithm of the outer forces */
 } step_slopes;
 
 /* n columns for a network at rest, with n_arms in its material; free with step_slopes_free. ERR_NO_MEMORY. */

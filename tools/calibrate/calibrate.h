@@ -19,7 +19,7 @@ typedef struct calibrate_options {
     const char *words[1 + RUNS_MAX]; /* LUMPED.json, RUN.csv ... */
     size_t n_words;
     cli_list nodes, size_mm, depth_mm;
-    double scale_mm, area_mm2, volume, ramp_s, hold_s, dt_ms;
+    double scale_mm, area_mm2, poisson, ramp_s, hold_s, dt_ms;
     int stage, method, formulation, dwell, law, branch; /* indices of the choices */
     int scaling;                                        /* palp_mesh_scaling, or -1 = not given */
     size_t arms, degree, knots, steps;

@@ -99,26 +99,17 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
     return CLI_OK; /* else that of --start */
 }
 
-/* The modulus that the tissue has at rest, as a network of this section has to have it, times the ratio that
- * was asked for. */
-static int choose_volume(const calibrate_options *o, calibrate_state *s) {
-    const palp_mesh_source *mesh = &s->source;
-    double rest = 0.0, own = mesh->area_m2;
-    if (!(o->volume > 0))
-        return CLI_OK; /* that of --start */
-    palp_law_stiffness(&s->lumped.material.law, 0.0, &rest, NULL);
-    if (!(own > 0))
-        own = mesh->kind == PALP_MESH_LATTICE ? mesh->size_m[0] * mesh->size_m[2]
-                                              : PI * s->lumped.radius_m * s->lumped.radius_m;
-    if (!(own > 0))
-        return cli_failure(
-            NAME,
-            "%s: gives no radius_mm to tell the modulus that --volume is a multiple of; give --area-mm2",
-            o->lumped);
-    if (!(rest > 0))
-        return cli_failure(NAME, "%s: its law has no stiffness at rest, which --volume is a multiple of",
+/* Springs have 1/4 by themselves. */
+static int choose_poisson(const calibrate_options *o, calibrate_state *s) {
+    double rest = 0;
+    if (o->poisson > 0) {
+        s->model.poisson_ratio = o->poisson > 0.25 ? o->poisson : 0;
+        s->model.volume_modulus_Pa = 0;
+    }
+    palp_law_stiffness(&s->lumped.material.law, 0, &rest, NULL);
+    if (s->model.poisson_ratio > 0 && !(rest > 0))
+        return cli_failure(NAME, "%s: its law has no stiffness at rest, which --poisson refers to",
                            o->lumped);
-    s->model.volume_modulus_Pa = o->volume * rest / own;
     return CLI_OK;
 }
 
@@ -131,7 +122,7 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     if (code == CLI_OK)
         code = choose_mesh(o, s);
     if (code == CLI_OK)
-        code = choose_volume(o, s);
+        code = choose_poisson(o, s);
     if (code)
         return code;
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
@@ -146,6 +137,7 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
         palp_supports_default(supports);
         settings.branch = (palp_branch)o->branch;
         settings.volume_modulus_Pa = s->model.volume_modulus_Pa;
+        settings.poisson_ratio = s->model.poisson_ratio;
         s->model.material.formulation = (palp_formulation)o->formulation;
         if (s->does_static) {
             s->model.material.n_arms = 0;

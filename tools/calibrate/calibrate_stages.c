@@ -71,6 +71,7 @@ static palp_status coarse_network(const calibrate_options *o, const calibrate_st
     palp_supports_default(supports);
     settings.branch = (palp_branch)o->branch;
     settings.volume_modulus_Pa = s->model.volume_modulus_Pa;
+    settings.poisson_ratio = s->model.poisson_ratio;
     palp_status status = palp_model_mesh(&model, &mesh, NULL);
     if (!status)
         status = palp_network_create(mesh, material, 2, supports, &settings, network, NULL);

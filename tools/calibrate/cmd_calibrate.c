@@ -6,6 +6,7 @@
 #include <string.h>
 
 static const char NAME[] = "calibrate";
+static const double LEAST_POISSON = 0.25, MOST_POISSON = 0.49;
 
 /* ---- the command line; each group of options returns how many it put to ---- */
 
@@ -27,10 +28,10 @@ static size_t network_options(calibrate_options *o, cli_option *to) {
         cli_positive("area-mm2", "MM2", 1e8, &o->area_mm2,
                      "area that the scaled elements' N refer to, mm2 (default: the\n"
                      "specimen's cross-section, or the mesh's volume over its height)"),
-        cli_positive("volume", "RATIO", 1e3, &o->volume,
-                     "tetrahedra that resist a change of volume, so that a fine lattice\n"
-                     "does not fold when pressed deep: their modulus over that of the\n"
-                     "lumped law at rest, e.g. 1 (default: that of --start, or none)"),
+        cli_positive("poisson", "RATIO", MOST_POISSON, &o->poisson,
+                     "Poisson's ratio of the network as a solid at rest, 0.25 to 0.49:\n"
+                     "springs alone have 0.25 (default: that of --start, or 0.25); soft\n"
+                     "tissue is near 0.45. Its cells then resist a change of volume"),
         cli_choice("branch", "continue|stable", &o->branch,
                    "which equilibrium to follow where the network buckles: the one\n"
                    "Newton's method follows (default), or descend to a stable one"),
@@ -140,6 +141,9 @@ static int check_mesh(const calibrate_options *o) {
         return cli_usage_error(NAME, "--scaling and --area-mm2 go with --nodes or --mesh");
     if (o->scaling == PALP_SCALING_NONE && o->area_mm2 > 0)
         return cli_usage_error(NAME, "--area-mm2 goes with --scaling volume or continuum");
+    if (o->poisson > 0 && o->poisson < LEAST_POISSON)
+        return cli_usage_error(NAME, "--poisson is from %g to %g: springs alone have %g", LEAST_POISSON,
+                               MOST_POISSON, LEAST_POISSON);
     return CLI_OK;
 }
 

@@ -113,9 +113,9 @@ int cmd_export(int argc, char **argv) {
                          &source);
     if (code)
         return code;
-    if (model.volume_modulus_Pa > 0)
-        return cli_failure("export", "%s: has volume_modulus_Pa, which no spring of the deck can stand for",
-                           path);
+    if (model.volume_modulus_Pa > 0 || model.poisson_ratio > 0)
+        return cli_failure("export", "%s: has %s, which no spring of the deck can stand for", path,
+                           model.poisson_ratio > 0 ? "poisson_ratio" : "volume_modulus_Pa");
     palp_status status = palp_model_mesh(&model, &mesh, &error);
     if (status)
         return cli_status("export", status, &error);

@@ -153,6 +153,7 @@ static palp_status make_network(const reduction *r, palp_network **net, palp_err
     settings.tolerance = 1e-7;
     settings.density_kg_m3 = r->model.density_kg_m3;
     settings.volume_modulus_Pa = r->model.volume_modulus_Pa;
+    settings.poisson_ratio = r->model.poisson_ratio;
     palp_status status = palp_network_create(r->mesh, &r->model.material, r->free_top ? 1 : 2, supports,
                                              &settings, net, error);
     if (!status && r->tools)
