@@ -204,6 +204,10 @@ palp_status palp_network_create(const palp_mesh *mesh, const palp_material *mate
         return status;
     if (!are_settings_in_range(settings))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a network setting is out of range");
+    double rest = 0.0;
+    palp_law_stiffness(&material->law, 0.0, &rest, NULL);
+    if (settings->poisson_ratio > 0.0 && !(rest > 0.0))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "Poisson's ratio needs a law with stiffness at rest");
     palp_network *net = calloc(1, sizeof *net);
     if (!net)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");

@@ -110,6 +110,16 @@ START_TEST(derivatives_of_scaled_elements) {
 }
 END_TEST
 
+/* The modulus that holds Poisson's ratio goes with the scale of the law. */
+START_TEST(derivatives_with_poissons_ratio) {
+    palp_material material = network_n2();
+    palp_network_settings settings = palp_network_settings_default();
+    settings.tolerance = 1e-12;
+    settings.poisson_ratio = 0.4;
+    check_derivatives_on(cube_network(3, &material, &settings), &material, false, false, true, 0.0);
+}
+END_TEST
+
 START_TEST(derivatives_of_constant_arms) {
     palp_material material = network_n2();
     check_derivatives(&material, false, false, true, 0.0);
@@ -148,6 +158,7 @@ START_TEST(derivatives_with_a_dashpot) {
 END_TEST
 
 void tests(TCase *tc) {
+    tcase_add_test(tc, derivatives_with_poissons_ratio);
     tcase_add_test(tc, derivatives_of_constant_arms);
     tcase_add_test(tc, derivatives_of_scaled_elements);
     tcase_add_test(tc, derivatives_by_strain_dependence);

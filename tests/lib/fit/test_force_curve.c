@@ -24,17 +24,18 @@ static double solved_force(palp_network *network, const palp_material *material,
 
 /* Central differences of forces solved to 1e-12 at changes of 1e-4 of the force: 1e-8 of rounding and as
  * much of truncation in what is compared, and the more the softer the tangent is. */
-static void check_gradient(size_t nodes, const palp_material *material) {
+static void check_gradient(size_t nodes, const palp_material *material, double poisson) {
     enum { STEPS = 20, LOOKS = 3 };
     const size_t looked_at[LOOKS] = {2, 9, 18}; /* strain 0.06, 0.2 and 0.38, where the network has buckled */
     double depth[STEPS];
     palp_network_settings settings = palp_network_settings_default();
     force_curve curve = {0};
     settings.tolerance = 1e-12;
+    settings.poisson_ratio = poisson;
     palp_network *network = cube_network(nodes, material, &settings);
     cube_depths(STEPS, 0.4 * CUBE_HEIGHT_M, depth);
     ck_assert_int_eq(force_curve_steps(&curve, network, STEPS, depth, true), PALP_OK);
-    ck_assert(palp_network_buckled(network, &(double){0}, &(double){0}));
+    ck_assert(poisson > 0.0 || palp_network_buckled(network, &(double){0}, &(double){0}));
     for (size_t j = 0; j < LOOKS; j++) {
         size_t at = looked_at[j], n = material->law.n;
         const double force = curve.force[at];
@@ -63,10 +64,12 @@ static void check_gradient(size_t nodes, const palp_material *material) {
 
 START_TEST(gradient_against_differences) {
     palp_material polynomial = cube_polynomial(5, NETWORK_LAW), spline = cube_spline();
-    check_gradient(3, &polynomial);
-    check_gradient(3, &spline);
-    check_gradient(5, &polynomial);
-    check_gradient(5, &spline);
+    for (size_t nodes = 3; nodes <= 5; nodes += 2) {
+        check_gradient(nodes, &polynomial, 0.0);
+        check_gradient(nodes, &spline, 0.0);
+    }
+    check_gradient(4, &polynomial, 0.4);
+    check_gradient(4, &spline, 0.4);
 }
 END_TEST
 

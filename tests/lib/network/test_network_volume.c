@@ -2,7 +2,6 @@
 #include "network_make.h"
 #include "network_settle.h"
 
-#include <palpate/cut.h>
 #include <palpate/realtime.h>
 
 static const double MODULUS = 2e4; /* Pa */
@@ -219,9 +218,6 @@ START_TEST(refused) {
                      PALP_ERR_UNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(error.text, "26 neighbours"));
     palp_mesh_free(mesh);
-    net = solid(3, &m, MODULUS);
-    ck_assert_int_eq(palp_network_enable_cutting(net), PALP_ERR_UNSUPPORTED);
-    palp_network_free(net);
     mesh = cube(3, PALP_NEIGHBOURS_26);
     const double wrong[] = {-1.0, NAN, INFINITY};
     for (size_t i = 0; i < 3; i++) {
