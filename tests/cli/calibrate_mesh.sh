@@ -83,16 +83,27 @@ expect 0 calibrate $L --nodes 3 --scaling none --stage static --steps 100 --out 
 grep -q scaling plain.json && fail "--scaling none scales"
 grep -q '"size_mm": \[24, 24, 24\], "scaling": "continuum"}' lattice.json || fail "a lattice was not scaled"
 
-# 7. Tetrahedra that resist a change of volume: the law stands beside them, the model carries them, what cannot says so.
-expect 0 calibrate $L --nodes 4 --stage static --steps 200 --depth-mm 7 --volume 0.3 --out solid.json
-grep -q '"volume_modulus_Pa": 4260.41' solid.json || fail "no volume modulus in the model"
+# 7. Poisson's ratio: the law is fitted with it, the model has it, and what cannot says so.
+expect 0 calibrate $L --nodes 4 --stage static --steps 200 --depth-mm 7 --poisson 0.45 --out solid.json
+grep -q '"poisson_ratio": 0.45' solid.json || fail "no Poisson's ratio in the model"
 expect 0 calibrate $L --start solid.json --stage static --steps 200 --depth-mm 7 --out again.json
-grep -q '"volume_modulus_Pa": 4260.41' again.json || fail "--start lost the volume modulus"
+grep -q '"poisson_ratio": 0.45' again.json || fail "--start lost Poisson's ratio"
+expect 0 calibrate $L --start solid.json --stage static --steps 200 --depth-mm 7 --poisson 0.25 --out springs.json
+grep -q 'poisson_ratio' springs.json && fail "springs alone have 0.25"
 forces solid.json 7 >solid.csv
 forces $L 7 >lumped.csv
 near "pressed by 7 mm" "$(tail -1 solid.csv | cut -d, -f2)" "$(tail -1 lumped.csv | cut -d, -f2)" 0.01
 expect 1 export solid.json --strain 0.1 --out deck.inp
+says "has poisson_ratio"
+expect 1 calibrate $L --mesh $M/box_hexa.msh --stage static --poisson 0.4 --steps 100
+says "an element between any two corners"
+expect 2 calibrate $L --nodes 3 --poisson 0.2
+says "--poisson is from 0.25 to 0.49"
+expect 0 calibrate $L --mesh $M/box_tetra.msh --stage static --steps 100 --depth-mm 2 --poisson 0.49 --out tetra.json
+says "tetrahedra lock"
+sed 's/"poisson_ratio": 0.45/"volume_modulus_Pa": 4260.41/' solid.json >volume.json
+expect 0 calibrate $L --start volume.json --stage static --steps 200 --depth-mm 7 --out volumes.json
+grep -q '"volume_modulus_Pa": 4260.41' volumes.json || fail "--start lost the volume modulus"
+expect 1 export volumes.json --strain 0.1 --out deck.inp
 says "has volume_modulus_Pa"
-expect 1 calibrate $L --mesh $M/box_hexa.msh --stage static --volume 0.3 --steps 100
-says "an element along every edge"
 done_testing

@@ -100,8 +100,9 @@ for model in mesh lattice; do
     expect 0 export $model.json --strain 0.02
     set -- "$@" model=$model.json
 done
-expect 0 calibrate $L --nodes 3 --stage static --steps 50 --volume 0.2 --out solid.json
-set -- "$@" model=solid.json
+expect 0 calibrate $L --nodes 3 --stage static --steps 50 --poisson 0.45 --out solid.json
+sed 's/"poisson_ratio": 0.45/"volume_modulus_Pa": 2000/' solid.json >volume.json
+set -- "$@" model=solid.json model=volume.json
 motion='"depth_mm": 2, "hold_s": 0.1, "air_mm": 1, "air_s": 0.1, "after_s": 0.1, "rest_s": 0.1, "acceleration_mm_s2": 400'
 waves='"amplitude_mm": 0.2, "frequency_Hz": 2, "rate_mm_s": 3'
 segments='[{"move_to_mm": 1, "rate_mm_s": 5, "acceleration_mm_s2": 100}, {"hold_s": 0.1}, {"cycle_to_mm": 2, "rate_mm_s": 5, "cycles": 1},

@@ -99,18 +99,18 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
     return CLI_OK; /* else that of --start */
 }
 
-/* Springs have 1/4 by themselves. */
-static int choose_poisson(const calibrate_options *o, calibrate_state *s) {
-    double rest = 0;
+/* Springs have 1/4 by themselves; without the option it is as --start has it. */
+static void choose_poisson(const calibrate_options *o, palp_model *model) {
     if (o->poisson > 0) {
-        s->model.poisson_ratio = o->poisson > 0.25 ? o->poisson : 0;
-        s->model.volume_modulus_Pa = 0;
+        model->poisson_ratio = o->poisson > 0.25 ? o->poisson : 0;
+        model->volume_modulus_Pa = 0;
     }
-    palp_law_stiffness(&s->lumped.material.law, 0, &rest, NULL);
-    if (s->model.poisson_ratio > 0 && !(rest > 0))
-        return cli_failure(NAME, "%s: its law has no stiffness at rest, which --poisson refers to",
-                           o->lumped);
-    return CLI_OK;
+}
+
+/* Each tetrahedron has a volume of its own to keep, which is more than its corners can do near 1/2. */
+static const double TETRAHEDRA_MOST = 0.45;
+static bool is_of_tetrahedra(const calibrate_state *s) {
+    return s->source.kind == PALP_MESH_FILE && !s->source.hex_diagonals;
 }
 
 int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
@@ -121,10 +121,9 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     int code = read_models(o, s);
     if (code == CLI_OK)
         code = choose_mesh(o, s);
-    if (code == CLI_OK)
-        code = choose_poisson(o, s);
     if (code)
         return code;
+    choose_poisson(o, &s->model);
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
     if (status == PALP_ERR_UNSUPPORTED && o->mesh &&
         o->scaling < 0) { /* hexahedra without diagonals: as they are */
@@ -148,6 +147,12 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     }
     if (status)
         return cli_status(NAME, status, &error);
+    if (s->model.poisson_ratio > TETRAHEDRA_MOST && is_of_tetrahedra(s))
+        cli_warning(
+            NAME,
+            "tetrahedra lock above a Poisson's ratio of %g: fitted to a plate, they shear too easily; "
+            "take hexahedra or a lattice",
+            TETRAHEDRA_MOST);
     if (fabs(s->height_m - s->lumped.height_m) > 1e-3 * s->lumped.height_m)
         cli_warning(NAME,
                     "the network is %.4g mm high, the specimen of %s %.4g mm; depths stay the same in mm",

@@ -3,6 +3,8 @@
 #include "scratch.h"
 #include "model_make.h"
 
+#include <palpate/network.h>
+
 #include <math.h>
 #include <sys/stat.h>
 
@@ -84,6 +86,7 @@ static void comes_back(const palp_model *model) {
     ck_assert_int_eq(back.material.formulation, model->material.formulation);
     ck_assert_double_eq(back.density_kg_m3, model->density_kg_m3);
     ck_assert_double_eq(back.volume_modulus_Pa, model->volume_modulus_Pa);
+    ck_assert_double_eq(back.poisson_ratio, model->poisson_ratio);
     if (model->kind == PALP_MODEL_LUMPED) {
         ck_assert_ptr_null(back.mesh);
         return;
@@ -95,6 +98,33 @@ static void comes_back(const palp_model *model) {
     ck_assert_int_eq(mesh.scaling, model->mesh->scaling);
     ck_assert_double_eq(mesh.area_m2, model->mesh->area_m2);
 }
+
+START_TEST(poissons_ratio_comes_back) {
+    palp_model model =
+        read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
+                  "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"lattice\", "
+                  "\"nodes\": [3, 3, 3], \"size_mm\": [24, 24, 24]}, \"poisson_ratio\": 0.45}");
+    palp_network *net = NULL;
+    double force[2];
+    ck_assert_double_eq(model.poisson_ratio, 0.45);
+    comes_back(&model);
+    for (int i = 0; i < 2; i++, model.poisson_ratio = 0.0) {
+        ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_step(net, 1e-3, INFINITY, NULL), PALP_OK);
+        force[i] = palp_network_force(net);
+        palp_network_free(net);
+    }
+    ck_assert_double_gt(force[0], 1.2 * force[1]);
+    const double wrong[] = {0.2, 0.5, -0.3, NAN};
+    for (size_t i = 0; i < 4; i++) {
+        model.poisson_ratio = wrong[i];
+        ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
+    }
+    model.poisson_ratio = 0.4;
+    model.volume_modulus_Pa = 1e4;
+    ck_assert_int_eq(palp_model_write(&model, scratch_path("m.json"), NULL), PALP_ERR_ARGUMENT);
+}
+END_TEST
 
 START_TEST(scaling_comes_back) {
     palp_model model =
@@ -544,6 +574,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, what_may_be_left_out_has_defaults);
     tcase_add_test(tc, hyperelastic_area_is_that_of_the_radius);
     tcase_add_test(tc, network_comes_back);
+    tcase_add_test(tc, poissons_ratio_comes_back);
     tcase_add_test(tc, scaling_comes_back);
     tcase_add_test(tc, path_of_the_mesh_comes_back);
     tcase_add_test(tc, lengths_in_millimetres_come_back);

@@ -50,6 +50,8 @@ static const struct {
     {"nodes_two", 13, PALP_ERR_INPUT, "mesh.nodes must be three counts, below 2^31 nodes in all"},
     {"other", 1, PALP_ERR_INPUT, "no model of palpate: it lacks \"palpate\": {\"model\": 1}"},
     {"overflow", 8, PALP_ERR_INPUT, "malformed JSON: real number overflow near '1e999'"},
+    {"poisson", 13, PALP_ERR_INPUT, "poisson_ratio must be from 0.25 to below 0.5"},
+    {"poisson_and_volume", 14, PALP_ERR_INPUT, "poisson_ratio does not go with volume_modulus_Pa"},
     {"path", 13, PALP_ERR_INPUT, "mesh.path must be the path of a Gmsh file"},
     {"area", 14, PALP_ERR_INPUT, "mesh.area_mm2 must be greater than 0, not 0"},
     {"area_alone", 13, PALP_ERR_INPUT, "mesh.area_mm2 goes with \"scaling\""},
