@@ -15,8 +15,7 @@ extern "C" {
  * allocates. */
 
 /* Makes a network ready to be cut; all memory is allocated here, and is the network's. Once. ERR_ARGUMENT:
- * done before; ERR_NO_MEMORY; ERR_UNSUPPORTED: its tools touch a subdivided surface, or its tetrahedra resist
- * a change of volume. */
+ * done before; ERR_NO_MEMORY; ERR_UNSUPPORTED: its tools touch a subdivided surface. */
 PALP_API palp_status palp_network_enable_cutting(palp_network *network);
 
 /* Cuts every element that the triangle corners_m[9] (three points, m) crosses at the committed positions;

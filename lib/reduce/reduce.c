@@ -264,7 +264,8 @@ static palp_status check_creation_arguments(const palp_network *net, size_t n_pa
     if (net->mass || net->damage || network_foundation(net) || network_has_volume(net) || vectors)
         return palp_error_set(
             error, PALP_ERR_UNSUPPORTED,
-            "a network with mass, damage, a volume modulus or the formulation sedef2008 cannot be reduced");
+            "a network with mass, damage, a volume modulus or Poisson's ratio, or the formulation sedef2008 "
+            "cannot be reduced");
     const contact_set *contacts = contact_of(net);
     if (contacts && contacts->settings.subdivisions > 0)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
