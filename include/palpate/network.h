@@ -43,9 +43,9 @@ typedef struct palp_network_settings {
                              box, shared by the rest length of a node's elements */
     double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume of the mesh's tetrahedra, J the
                                  ratio of present volume to rest volume; 0 = no resistance to volume change */
-    double poisson_ratio;     /* 0.25 to below 0.5: instead, k of the mesh's hexahedra, or else tetrahedra, makes
-                                 the network scaled as a continuum a solid of this ratio at rest, with the shear
-                                 modulus of its springs; k follows the law. 0 = none: springs have 1/4 */
+    double poisson_ratio; /* 0.25 to below 0.5: instead, k of the mesh's hexahedra, or else tetrahedra, makes
+                             the network scaled as a continuum a solid of this ratio at rest, with the shear
+                             modulus of its springs; k follows the law. 0 = none: springs have 1/4 */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
     double check_strain; /* the tangent's inertia is assessed at least at this interval of depth / height */
@@ -73,7 +73,8 @@ typedef struct palp_step_info {
  * mesh and the material. The caller owns *network. error may be NULL. ERR_ARGUMENT: a setting, a motion or
  * the material is out of range; ERR_INPUT: the mesh has no such node set; ERR_UNSUPPORTED: the supernodal
  * solver in a build without GPL=1, a volume modulus or Poisson's ratio where there are no cells or
- * tetrahedra, or edges or diagonals of them are no elements; ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
+ * tetrahedra, or edges or diagonals of them are no elements; ERR_LIMIT: too large for 32-bit indices;
+ * ERR_NO_MEMORY. */
 PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material,
                                          size_t n_supports, const palp_support *supports,
                                          const palp_network_settings *settings, palp_network **network,

@@ -260,8 +260,8 @@ palp_status network_set_foundation(palp_network *net, const char *set, double sh
 /* Stiffness of these springs [3 n_nodes], N/m, or NULL. */
 const double *network_foundation(const palp_network *net);
 
-/* Cells or tetrahedra that resist a change of volume (network_volume.c), as the settings say. ERR_UNSUPPORTED:
- * the mesh has none, a flat one, or one with an edge or diagonal that is no element. */
+/* Cells or tetrahedra that resist a change of volume (network_volume.c), as the settings say.
+ * ERR_UNSUPPORTED: the mesh has none, a flat one, or one with an edge or diagonal that is no element. */
 palp_status network_add_volume(palp_network *net);
 bool network_has_volume(const palp_network *net);
 

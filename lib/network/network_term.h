@@ -72,8 +72,8 @@ typedef struct network_term_kind {
     void (*doubt)(network_term *term, palp_network *net, double error, double *sum);
 
     /* For a term on all nodes, not one that touches from outside: a part of its blocks, 0 of 1 = all, each on
-     * a node or an element. Their sum is positive semidefinite, or nearly, and at most spread times the blocks
-     * on nodes. */
+     * a node or an element. Their sum is positive semidefinite, or nearly, and at most spread times the
+     * blocks on nodes. */
     double spread;
     void (*blocks_part)(const network_term *term, const palp_network *net, size_t part, size_t parts,
                         network_block_taker take, void *user);

@@ -71,12 +71,10 @@ static palp_status allocate_realtime_arrays(palp_realtime *rt) {
             return PALP_ERR_NO_MEMORY;
     palp_status status = multigrid_create(net->n_nodes, net->rest, net->dof, net->n_elements, net->pair,
                                           touched ? TOUCHED : DIRECT, &rt->mg);
-    double spread = 0.0;
     for (size_t i = 0; i < net->n_terms; i++)
-        spread = fmax(spread, net->terms[i]->kind->spread);
-    rt->filled = spread > 0.0;
-    if (!status && rt->filled)
-        status = multigrid_make_room(rt->mg, spread);
+        rt->spread = fmax(rt->spread, net->terms[i]->kind->spread);
+    if (!status && rt->spread > 0.0)
+        status = multigrid_make_room(rt->mg, rt->spread);
     if (!status &&
         (!(rt->element = arena_take(&rt->memory, multigrid_input(rt->mg).n_floats, sizeof *rt->element)) ||
          !(rt->adjoint_half =

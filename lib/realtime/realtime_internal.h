@@ -49,7 +49,7 @@ struct palp_realtime {
     double *tissue;      /* [3 n_nodes] forces of the elements in the committed state, N, where tools touch */
     float *adjoint_half; /* [multigrid_half_size] between the two halves of its cycle */
     bool driven;         /* some axis is driven, so there is an adjoint */
-    bool filled;         /* some terms act on all nodes */
+    double spread;       /* of terms that act on all nodes, 0 = there are none */
     double *adjoint_at[2];   /* [3 n_nodes] positions at which the error was found: of the adjoint in use, and
                                 of the correction in progress */
     double adjoint_error;    /* its error there, in the energy norm */

@@ -108,7 +108,7 @@ palp_status realtime_refresh_now(palp_realtime *rt) {
     bool done = false;
     palp_status status = PALP_ERR_SINGULAR;
     copy_nodal_blocks(net, &source);
-    if (rt->filled)
+    if (rt->spread > 0.0)
         gather_further_blocks(rt, 0, 1);
     for (size_t i = 0; i < net->n_elements; i++)
         copy_element_block(net, rt->element, &source, i);
@@ -162,14 +162,14 @@ static bool finish_or_retry_factor(palp_realtime *rt, palp_status status) {
 }
 
 bool realtime_refresh_begins(const palp_realtime *rt) {
-    return rt->stage == REFRESH_DUE && (rt->gathered == REALTIME_PARTS || !rt->filled) &&
+    return rt->stage == REFRESH_DUE && (rt->gathered == REALTIME_PARTS || rt->spread == 0.0) &&
            (double)(rt->at + 1) * rt->piece >= PAUSE * (double)rt->net->n_elements;
 }
 
 /* Waits until the next factor is due. */
 static void wait_for_next_factor(palp_realtime *rt) {
     rt->at++;
-    if (rt->filled && rt->gathered < REALTIME_PARTS)
+    if (rt->spread > 0.0 && rt->gathered < REALTIME_PARTS)
         gather_further_blocks(rt, rt->gathered++, REALTIME_PARTS);
 }
 

@@ -89,7 +89,7 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enou
             break;
         const double ratio = sqrt(rz / square); /* the ratio is least for the rough residual that corrections
                                                    leave, not for that of a later guess */
-        rt->error_ratio = rt->filled && done > 1 ? fmax(rt->error_ratio, ratio) : ratio;
+        rt->error_ratio = rt->spread > 0.0 && done > 1 ? fmax(rt->error_ratio, ratio) : ratio;
         before = rz;
         for (size_t i = 0; i < n; i++)
             rt->p[i] = rt->z[i] + (beta > 0.0 ? beta * rt->p[i] : 0.0);

@@ -129,8 +129,8 @@ static bool invert_free_diagonal_block(mg_level *l, int set, size_t i, const flo
 }
 
 /* b[12]: the own block i that sweeps invert. With several levels, own further blocks of the finest level
- * count more, for four times one and a half times. Together they reach spread times their own blocks, elements
- * only twice, and damped Jacobi must stay a contraction. */
+ * count more. Together they reach spread times their own blocks, elements only twice, and damped Jacobi must
+ * stay a contraction. */
 static void block_of_sweep(const multigrid *mg, const mg_level *l, int set, size_t i, float *b) {
     memcpy(b, l->own[set] + BLOCK_FLOATS * i, BLOCK_FLOATS * sizeof *b);
     if (l == mg->level && mg->n_levels > 1 && multigrid_has_between(mg, set))

@@ -188,13 +188,14 @@ END_TEST
 /* ---- what stands on a network -------------------------------------------------------------------- */
 
 /* Ticks on 10 nodes a side, whose preconditioner has levels: converged they are steps, of one correction near
- * them. */
+ * them. The second time with Poisson's ratio of tissue. */
 START_TEST(ticks_are_steps) {
     const palp_material m = quartic(1);
-    const palp_network_settings settings = palp_network_settings_default();
+    palp_network_settings settings = palp_network_settings_default();
     const palp_realtime_settings ticks = palp_realtime_settings_default();
     const palp_budget budgets[2] = {{0}, {.corrections = 1}};
     static const double off[2] = {1e-8, 1e-3};
+    settings.poisson_ratio = _i ? 0.45 : 0.0;
     palp_mesh *mesh = solid_cube(10);
     palp_network *steps = network_on(mesh, &m, &settings), *net[2];
     palp_realtime *rt[2] = {NULL, NULL};
@@ -309,7 +310,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, hexahedra_of_a_file);
     tcase_add_test(tc, what_is_no_solid_is_refused);
     tcase_add_loop_test(tc, sheared_and_pressed, 0, 3);
-    tcase_add_test(tc, ticks_are_steps);
+    tcase_add_loop_test(tc, ticks_are_steps, 0, 2);
     tcase_add_test(tc, cut_is_built_without);
     tcase_add_test(tc, reduced_follows);
 }

@@ -256,38 +256,6 @@ END_TEST
 
 /* ---- what stands on it --------------------------------------------------------------------------- */
 
-/* Ticks without a limit are steps, below and above the number of nodes where the preconditioner has levels;
- * one correction is near. */
-START_TEST(ticks_are_steps) {
-    const palp_material m = quartic(1);
-    const palp_realtime_settings ticks = palp_realtime_settings_default();
-    const palp_budget budgets[2] = {{.force_error = 1e-9}, {.corrections = 1}};
-    static const double off[2] = {1e-7, 1e-3};
-    const size_t n = _i ? 10 : 5;
-    palp_network *steps = solid(n, &m, TISSUE), *net[2];
-    palp_realtime *rt[2] = {NULL, NULL};
-    for (int k = 0; k < 2; k++) {
-        net[k] = solid(n, &m, TISSUE);
-        ck_assert_int_eq(palp_realtime_create(net[k], &ticks, &rt[k]), PALP_OK);
-    }
-    for (int i = 1; i <= 30; i++) {
-        const double depth = 0.15 * HEIGHT * sin(0.05 * i);
-        ck_assert_int_eq(palp_network_step(steps, depth, 2e-3, NULL), PALP_OK);
-        const double force = palp_network_force(steps);
-        for (int k = 0; k < 2; k++) {
-            palp_tick_info info;
-            ck_assert_int_eq(palp_realtime_step(rt[k], depth, 2e-3, &budgets[k], &info), PALP_OK);
-            ck_assert_double_eq_tol(info.force_N, force, off[k] * force);
-        }
-    }
-    for (int k = 0; k < 2; k++) {
-        palp_realtime_free(rt[k]);
-        palp_network_free(net[k]);
-    }
-    palp_network_free(steps);
-}
-END_TEST
-
 /* Poisson's ratio with which a body of this share of the elements' length has the same modulus. */
 static double same_modulus(double ratio, double share) {
     const double modulus = 0.4 * (4.0 * ratio - 1.0) / (1.0 - 2.0 * ratio) / share;
@@ -403,7 +371,6 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, sheared_and_pressed, 0, 6);
     tcase_add_test(tc, tetrahedra_to_a_limit);
     tcase_add_test(tc, stable_at_large_strain);
-    tcase_add_loop_test(tc, ticks_are_steps, 0, 2);
     tcase_add_loop_test(tc, cut_is_built_without, 0, 2);
     tcase_add_test(tc, torn_in_ticks);
     tcase_add_test(tc, refused);
