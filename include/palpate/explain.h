@@ -47,6 +47,22 @@ typedef struct palp_explain_input {
     const char *name; /* the file's, for messages */
 } palp_explain_input;
 
+/* What a run presses: its file's specimen.kind says it ("none" is air, "rigid" a block), or its force beside
+ * the others' shows it. */
+typedef enum palp_explain_object {
+    PALP_EXPLAIN_SPECIMEN,
+    PALP_EXPLAIN_AIR,  /* it presses nothing, however deep it goes */
+    PALP_EXPLAIN_BLOCK /* it shows how far the frame gives way, and is in no fit */
+} palp_explain_object;
+
+typedef struct palp_explain_pressed {
+    palp_explain_object object;
+    bool declared; /* by the file. In air and not declared is an assumption: a sensor that noise alone leaves
+                      looks the same */
+} palp_explain_pressed;
+
+PALP_API const char *palp_explain_object_name(palp_explain_object object); /* "specimen", "air", "block" */
+
 typedef enum palp_explain_verdict {
     PALP_EXPLAIN_AGREES,      /* nothing is missing that these runs could show */
     PALP_EXPLAIN_EXPLAINED,   /* with the effects, what remains is at the noise level */
@@ -200,6 +216,8 @@ typedef struct palp_explanation {
     palp_explain_diagnostics diagnostics;
     palp_explain_next next;
     palp_explain_run *run; /* [n_runs] */
+    size_t n_inputs;
+    palp_explain_pressed *pressed; /* [n_inputs] in the order in which the runs were given */
 } palp_explanation;
 
 PALP_API void palp_explanation_free(palp_explanation *explanation); /* NULL is fine */

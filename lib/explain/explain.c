@@ -24,12 +24,18 @@ const char *palp_explain_verdict_name(palp_explain_verdict verdict) {
     return (unsigned)verdict < sizeof names / sizeof *names ? names[verdict] : "unknown";
 }
 
+const char *palp_explain_object_name(palp_explain_object object) {
+    static const char *const names[] = {"specimen", "air", "block"};
+    return (unsigned)object < sizeof names / sizeof *names ? names[object] : "unknown";
+}
+
 void palp_explanation_free(palp_explanation *e) {
     if (!e)
         return;
     for (size_t r = 0; e->run && r < e->n_runs; r++)
         free(e->run[r].time_s);
     free(e->run);
+    free(e->pressed);
     free(e->event);
     free(e->step);
     free(e->specimens.between);

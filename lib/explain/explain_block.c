@@ -20,6 +20,7 @@ typedef struct outline {
     const double *time, *depth, *force; /* mm */
     double peak, deepest;               /* of pairs of neighbours: a lone spike is none */
     double white;                       /* sd of a sample's noise */
+    bool constant;                      /* one force from the first sample to the last */
 } outline;
 
 static palp_status outline_of(const palp_explain_input *input, outline *o, palp_error *error) {
@@ -32,6 +33,7 @@ static palp_status outline_of(const palp_explain_input *input, outline *o, palp_
         return palp_error_set(error, PALP_ERR_INPUT, "%s: fewer than %d samples of time_s, depth_mm, force_N",
                               input->name ? input->name : "run", EXPLAIN_SAMPLES_MIN);
     o->peak = 0.0;
+    o->constant = true;
     o->deepest = o->depth[0];
     for (size_t i = 0; i < o->n; i++) {
         if (!segments_sample_valid(o->time, o->depth, o->force, i))
@@ -41,6 +43,7 @@ static palp_status outline_of(const palp_explain_input *input, outline *o, palp_
         o->deepest = fmax(o->deepest, o->depth[i]);
         if (i)
             o->peak = fmax(o->peak, fmin(o->force[i], o->force[i - 1]));
+        o->constant = o->constant && o->force[i] == o->force[0];
     }
     double step = (o->time[o->n - 1] - o->time[0]) / (double)(o->n - 1);
     return palp_segments_noise(o->n, o->time, step, o->force, PALP_NOISE_MEDIAN, &o->white);
@@ -65,29 +68,38 @@ static bool much_stiffer(const outline *a, const outline *b) {
     return 0.1 * force > 3.0 * fmax(a->white, b->white) && near >= 0.0 && far > STIFFER * near;
 }
 
-palp_status explain_kinds_find(size_t n, const palp_explain_input *inputs, explain_kind *kind,
-                               palp_error *error) {
+/* Whether nothing tells a run that feels nothing from one in air: its file names no specimen, and it has
+ * noise where others have. */
+static bool may_be_air(const outline *o, const palp_explain_pressed *pressed, double white) {
+    return !pressed->declared && !(o->constant && white > 0.0);
+}
+
+palp_status explain_find_pressed(size_t n, const palp_explain_input *inputs, palp_explain_pressed *pressed,
+                                 palp_error *error) {
     outline *all = calloc(n, sizeof *all);
     palp_status status = all ? PALP_OK : PALP_ERR_NO_MEMORY;
-    double peak = 0.0, deepest = 0.0;
+    double peak = 0.0, deepest = 0.0, white = 0.0;
     for (size_t r = 0; r < n && !status; r++) {
         const char *told = explain_text_of(inputs[r].experiment, "specimen.kind");
-        kind[r] = strcmp(told, "none") == 0    ? EXPLAIN_AIR
-                  : strcmp(told, "rigid") == 0 ? EXPLAIN_BLOCK
-                                               : EXPLAIN_SPECIMEN;
+        pressed[r].declared = told[0] != '\0';
+        pressed[r].object = strcmp(told, "none") == 0    ? PALP_EXPLAIN_AIR
+                            : strcmp(told, "rigid") == 0 ? PALP_EXPLAIN_BLOCK
+                                                         : PALP_EXPLAIN_SPECIMEN;
         status = outline_of(&inputs[r], &all[r], error);
-        if (kind[r] == EXPLAIN_SPECIMEN) {
+        white = fmax(white, all[r].white);
+        if (pressed[r].object == PALP_EXPLAIN_SPECIMEN) {
             peak = fmax(peak, all[r].peak);
             deepest = fmax(deepest, all[r].deepest);
         }
     }
     for (size_t r = 0; r < n && !status; r++)
-        if (kind[r] == EXPLAIN_SPECIMEN && all[r].peak < NOTHING * peak && all[r].deepest > 0.5 * deepest)
-            kind[r] = EXPLAIN_AIR;
+        if (pressed[r].object == PALP_EXPLAIN_SPECIMEN && all[r].peak < NOTHING * peak &&
+            all[r].deepest > 0.5 * deepest && may_be_air(&all[r], &pressed[r], white))
+            pressed[r].object = PALP_EXPLAIN_AIR;
     for (size_t r = 0; r < n && !status; r++)
-        for (size_t q = 0; q < n && kind[r] == EXPLAIN_SPECIMEN; q++)
-            if (kind[q] == EXPLAIN_SPECIMEN && much_stiffer(&all[r], &all[q]))
-                kind[r] = EXPLAIN_BLOCK;
+        for (size_t q = 0; q < n && pressed[r].object == PALP_EXPLAIN_SPECIMEN; q++)
+            if (pressed[q].object == PALP_EXPLAIN_SPECIMEN && much_stiffer(&all[r], &all[q]))
+                pressed[r].object = PALP_EXPLAIN_BLOCK;
     free(all);
     return status;
 }
@@ -148,8 +160,9 @@ static double slope_without(size_t n_runs, const sums *part, size_t run, size_t 
 }
 
 /* By the jackknife over the parts of the runs, with Student's 97.5 % quantile of as few. */
-palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, const explain_kind *kind,
-                                  explain_frame *frame, palp_error *error) {
+palp_status explain_block_measure(size_t n, const palp_explain_input *inputs,
+                                  const palp_explain_pressed *pressed, explain_frame *frame,
+                                  palp_error *error) {
     static const double STUDENT = 2.365, EQUATIONS = 0.01;
     sums *part = calloc(n * PARTS, sizeof *part);
     palp_status status = part ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -157,7 +170,7 @@ palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, co
     *frame = (explain_frame){.n_runs = 0};
     for (size_t r = 0; r < n && !status; r++) {
         outline o;
-        if (kind[r] != EXPLAIN_BLOCK)
+        if (pressed[r].object != PALP_EXPLAIN_BLOCK)
             continue;
         status = outline_of(&inputs[r], &o, error);
         if (!status)
@@ -184,12 +197,13 @@ palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_fr
                                palp_error *error) {
     if (n == 0 || !runs || !frame)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no run on a block");
-    explain_kind *kind = calloc(n, sizeof *kind);
+    palp_explain_pressed *pressed = calloc(n, sizeof *pressed);
     explain_frame found;
-    for (size_t r = 0; r < n && kind; r++)
-        kind[r] = EXPLAIN_BLOCK;
-    palp_status status = kind ? explain_block_measure(n, runs, kind, &found, error) : PALP_ERR_NO_MEMORY;
-    free(kind);
+    for (size_t r = 0; r < n && pressed; r++)
+        pressed[r].object = PALP_EXPLAIN_BLOCK;
+    palp_status status =
+        pressed ? explain_block_measure(n, runs, pressed, &found, error) : PALP_ERR_NO_MEMORY;
+    free(pressed);
     if (status)
         return status;
     if (!(found.compliance > 0.0) || !isfinite(found.high))

@@ -331,10 +331,9 @@ static void find_largest_strains(explain_data *data) {
     }
 }
 
-/* In the order in which they were made; kind[n], by input: those on a block are left out. */
+/* In the order in which they were made; those on a block are left out. */
 static palp_status take_runs(explain_data *data, size_t n, const palp_explain_input *inputs,
-                             const explain_kind *kind, const palp_explain_settings *settings,
-                             palp_error *error) {
+                             const palp_explain_settings *settings, palp_error *error) {
     size_t *order = malloc(n * sizeof *order);
     bool *fresh = malloc(n * sizeof *fresh);
     palp_status status = order && fresh ? PALP_OK : PALP_ERR_NO_MEMORY;
@@ -346,7 +345,7 @@ static palp_status take_runs(explain_data *data, size_t n, const palp_explain_in
         const size_t of = order[i];
         renewed = renewed || fresh[i];
         specimen += i > 0 && !explain_same_specimen(inputs[order[i - 1]].experiment, inputs[of].experiment);
-        if (kind[of] == EXPLAIN_BLOCK)
+        if (data->pressed[of].object == PALP_EXPLAIN_BLOCK)
             continue;
         explain_run *run = &data->run[data->n_runs++];
         run->fresh = renewed;
@@ -354,7 +353,8 @@ static palp_status take_runs(explain_data *data, size_t n, const palp_explain_in
         renewed = false;
         for (size_t k = 0; k < settings->n_held_out; k++)
             run->held_out = run->held_out || data->joined.of[settings->held_out[k]] == data->joined.first[of];
-        status = take_run(data, data->n_runs - 1, &inputs[of], kind[of] == EXPLAIN_AIR, error);
+        status = take_run(data, data->n_runs - 1, &inputs[of], data->pressed[of].object == PALP_EXPLAIN_AIR,
+                          error);
     }
     free(order);
     free(fresh);
@@ -364,18 +364,18 @@ static palp_status take_runs(explain_data *data, size_t n, const palp_explain_in
 /* Sorts the inputs out, and takes the runs of the specimen and those in air. */
 static palp_status take_inputs(explain_data *data, size_t n, const palp_explain_input *inputs,
                                const palp_explain_settings *settings, palp_error *error) {
-    explain_kind *kind = calloc(n, sizeof *kind);
-    palp_status status = kind ? explain_kinds_find(n, inputs, kind, error) : PALP_ERR_NO_MEMORY;
+    data->pressed = calloc(n, sizeof *data->pressed);
+    palp_status status =
+        data->pressed ? explain_find_pressed(n, inputs, data->pressed, error) : PALP_ERR_NO_MEMORY;
     if (!status)
-        status = explain_block_measure(n, inputs, kind, &data->frame, error);
+        status = explain_block_measure(n, inputs, data->pressed, &data->frame, error);
     if (!status)
-        status = take_runs(data, n, inputs, kind, settings, error);
+        status = take_runs(data, n, inputs, settings, error);
     if (!status && explain_fitted_runs(data) == 0)
         status = palp_error_set(
             error, PALP_ERR_INPUT,
             "%s: no run is left in which the specimen is pressed: a rigid block shows the frame alone",
             inputs[0].name ? inputs[0].name : "run");
-    free(kind);
     return status;
 }
 
@@ -419,6 +419,7 @@ void explain_data_free(explain_data *data) {
         free(data->run[r].use);
     }
     free(data->run);
+    free(data->pressed);
     free(data->event);
     explain_joined_free(&data->joined);
     *data = (explain_data){0};

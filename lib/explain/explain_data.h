@@ -36,11 +36,11 @@ typedef struct explain_frame {
 /* The inputs, those that go on under load where another ends as one; made: their experiments, or NULL.
  * (explain_join.c) */
 typedef struct explain_joined {
-    size_t n;
+    size_t n, n_inputs;
     palp_explain_input *input; /* [n] */
     palp_experiment **made;    /* [n] */
     size_t *first;             /* [n] the input in which each begins */
-    size_t *of;                /* the input in which the run of each input begins, for each input */
+    size_t *of;                /* [n_inputs] the input in which the run of each begins */
 } explain_joined;
 
 palp_status explain_join(size_t n, const palp_explain_input *inputs, explain_joined *joined);
@@ -50,6 +50,7 @@ typedef struct explain_data {
     explain_joined joined; /* whose columns the runs read */
     size_t n_runs, n, longest;
     explain_run *run;
+    palp_explain_pressed *pressed;          /* [joined.n] */
     const palp_model *given;                /* the model to be explained */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
@@ -108,15 +109,15 @@ void explain_shown_find(explain_data *data);
 
 /* ---- runs without a specimen (explain_block.c) ---- */
 
-typedef enum explain_kind { EXPLAIN_SPECIMEN, EXPLAIN_AIR, EXPLAIN_BLOCK } explain_kind;
+/* What each input presses, as its file says (specimen.kind), or else as its force shows beside the others'. A
+ * press that feels nothing stays a press of the specimen where its file names one, or where it lacks the
+ * noise that other runs have: palp_recording_check refuses it then. */
+palp_status explain_find_pressed(size_t n, const palp_explain_input *inputs, palp_explain_pressed *pressed,
+                                 palp_error *error);
 
-/* What each input presses, as its file says (specimen.kind "none" or "rigid"), or else as its force shows
- * beside the others'. */
-palp_status explain_kinds_find(size_t n, const palp_explain_input *inputs, explain_kind *kind,
-                               palp_error *error);
-
-palp_status explain_block_measure(size_t n, const palp_explain_input *inputs, const explain_kind *kind,
-                                  explain_frame *frame, palp_error *error);
+palp_status explain_block_measure(size_t n, const palp_explain_input *inputs,
+                                  const palp_explain_pressed *pressed, explain_frame *frame,
+                                  palp_error *error);
 
 /* Adds the frame's compliance that blocks show to a model that has none, if the specimen's runs can feel it:
  * true. It is no parameter of the fits then. As what it is told: */

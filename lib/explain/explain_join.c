@@ -4,7 +4,8 @@
 #include <stdlib.h>
 
 palp_status explain_join(size_t n, const palp_explain_input *inputs, explain_joined *joined) {
-    *joined = (explain_joined){.input = malloc(n * sizeof *joined->input),
+    *joined = (explain_joined){.n_inputs = n,
+                               .input = malloc(n * sizeof *joined->input),
                                .made = malloc(n * sizeof *joined->made),
                                .of = malloc(n * sizeof *joined->of),
                                .first = malloc(n * sizeof *joined->first)};

@@ -7,6 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of a run in several files each presses the same. */
+static palp_status copy_pressed(const explain_data *data, palp_explanation *e) {
+    const explain_joined *joined = &data->joined;
+    e->n_inputs = joined->n_inputs;
+    e->pressed = calloc(joined->n_inputs, sizeof *e->pressed);
+    for (size_t k = 0; k < joined->n && e->pressed; k++)
+        for (size_t i = 0; i < joined->n_inputs; i++)
+            if (joined->of[i] == joined->first[k])
+                e->pressed[i] = data->pressed[k];
+    return e->pressed ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
 palp_status explain_copy_runs(const explain_search *s, palp_explanation *e) {
     const explain_data *data = &s->data;
     e->n_runs = data->n_runs;
@@ -31,7 +43,7 @@ palp_status explain_copy_runs(const explain_search *s, palp_explanation *e) {
         memcpy(to->depth_m, from->depth, bytes);
         memcpy(to->force_N, from->force, bytes);
     }
-    return PALP_OK;
+    return copy_pressed(data, e);
 }
 
 void explain_keep_residual(const double *from, palp_explanation *e, bool before) {

@@ -132,8 +132,35 @@ static void test_sentences_agree_with_their_numbers(void **state) {
     assert_true(says("explained", "5", "4", "0", "1", "(3 to 4)"));
 }
 
+/* Which runs press no specimen is said by their names, and where it is only an assumption. */
+static void test_runs_without_a_specimen_are_named(void **state) {
+    static const char pressed[] =
+        "{\"verdict\": \"agrees\", \"pressed\": ["
+        "{\"experiment\": \"runs/a.csv\", \"object\": \"specimen\", \"declared\": false},"
+        "{\"experiment\": \"runs/b.csv\", \"object\": \"%s\", \"declared\": %s},"
+        "{\"experiment\": \"runs/c.csv\", \"object\": \"%s\", \"declared\": %s}]}";
+    static const struct {
+        const char *object, *declared, *said;
+    } cases[] = {{"air", "true", "In air, as the file says: b.csv, c.csv."},
+                 {"block", "true", "On a rigid block, as the file says: b.csv, c.csv."},
+                 {"block", "false", "Taken for a rigid block, by force and travel: b.csv, c.csv."},
+                 {"air", "false", "Taken for a run in air, as it feels almost no force: b.csv, c.csv."}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char result[1024];
+        snprintf(result, sizeof result, pressed, cases[i].object, cases[i].declared, cases[i].object,
+                 cases[i].declared);
+        char *text = said_of(result);
+        assert_non_null(strstr(text, cases[i].said));
+        assert_null(strstr(text, "a.csv"));
+        assert_int_equal(strstr(text, "it would be a dead sensor") != NULL, i == 3);
+        free(text);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_no_number_is_none),
-                                       cmocka_unit_test(test_sentences_agree_with_their_numbers)};
+                                       cmocka_unit_test(test_sentences_agree_with_their_numbers),
+                                       cmocka_unit_test(test_runs_without_a_specimen_are_named)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

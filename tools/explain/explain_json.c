@@ -232,6 +232,15 @@ static json_t *next_json(const palp_explanation *e) {
     return object;
 }
 
+static json_t *pressed_json(const explain_options *o, const palp_explanation *e) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < e->n_inputs; i++)
+        json_array_append_new(list, json_pack("{s:o, s:s, s:b}", "experiment", json_text(o->words[i]),
+                                              "object", palp_explain_object_name(e->pressed[i].object),
+                                              "declared", (int)e->pressed[i].declared));
+    return list;
+}
+
 json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     static const char *const contacts[] = {"known", "common", "free"};
     json_t *root = json_object(), *effects = json_array();
@@ -242,6 +251,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "verdict", json_string(palp_explain_verdict_name(e->verdict)));
     json_object_set_new(root, "stopped", json_boolean(e->stopped));
     json_object_set_new(root, "contact", json_string(contacts[o->contact]));
+    json_object_set_new(root, "pressed", pressed_json(o, e));
     json_object_set_new(root, "effects", effects);
     json_object_set_new(root, "gap", gap_json(e));
     json_object_set_new(root, "noise_level", noise_level_json(e));

@@ -212,6 +212,33 @@ static void add_classes(json_t *story, const json_t *all) {
     }
 }
 
+/* ---- what was pressed ---- */
+
+/* The runs of which this was found, or declared by their files; in one sentence that begins as said. */
+static bool add_pressed(json_t *story, const json_t *all, const char *object, bool declared,
+                        const char *begin) {
+    const json_t *list = json_object_get(all, "pressed"), *one;
+    char names[LINE] = "";
+    size_t n = 0;
+    for (size_t i = 0; (one = json_array_get(list, i)) != NULL && n < LINE; i++)
+        if (strcmp(json_text_at(one, "object"), object) == 0 &&
+            json_is_true(json_object_get(one, "declared")) == declared)
+            n += (size_t)snprintf(names + n, LINE - n, "%s%s", n ? ", " : "",
+                                  cli_base(json_text_at(one, "experiment")));
+    if (n > 0)
+        add(story, "%s: %.400s.", begin, names);
+    return n > 0;
+}
+
+static void add_objects(json_t *story, const json_t *all) {
+    add_pressed(story, all, "air", true, "In air, as the file says");
+    add_pressed(story, all, "block", true, "On a rigid block, as the file says");
+    add_pressed(story, all, "block", false, "Taken for a rigid block, by force and travel");
+    if (add_pressed(story, all, "air", false, "Taken for a run in air, as it feels almost no force"))
+        add(story, "No file says so: with a specimen under the plate it would be a dead sensor, and the run "
+                   "has to be left out.");
+}
+
 static json_t *tell(const json_t *all) {
     json_t *story = json_array();
     bool law_alone = is_verdict(all, "explained") && json_array_size(json_object_get(all, "effects")) == 0;
@@ -225,6 +252,7 @@ static json_t *tell(const json_t *all) {
                                      json_number_at(json_object_get(all, "gap"), "unexplained_N")));
     if (json_is_true(json_object_get(all, "stopped")))
         add(story, "The search was stopped early: effects may be missing that were not tried.");
+    add_objects(story, all);
     add_gap(story, all);
     add_law(story, all);
     add_scatter(story, all);

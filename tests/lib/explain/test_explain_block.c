@@ -64,13 +64,13 @@ static void unmake(void) {
 }
 
 START_TEST(what_is_pressed_is_told_by_the_file_or_the_force) {
-    explain_kind kind[RUNS];
+    palp_explain_pressed pressed[RUNS];
     make(FRAME, 0, _i);
-    ck_assert_int_eq(explain_kinds_find(RUNS, input, kind, NULL), PALP_OK);
+    ck_assert_int_eq(explain_find_pressed(RUNS, input, pressed, NULL), PALP_OK);
     for (size_t r = 0; r < PRESSES; r++)
-        ck_assert_int_eq(kind[r], EXPLAIN_SPECIMEN);
-    ck_assert_int_eq(kind[3], EXPLAIN_BLOCK);
-    ck_assert_int_eq(kind[4], EXPLAIN_AIR);
+        ck_assert_int_eq(pressed[r].object, PALP_EXPLAIN_SPECIMEN);
+    ck_assert_int_eq(pressed[3].object, PALP_EXPLAIN_BLOCK);
+    ck_assert_int_eq(pressed[4].object, PALP_EXPLAIN_AIR);
     unmake();
 }
 END_TEST
@@ -78,7 +78,7 @@ END_TEST
 /* A law that stiffens a hundredfold, to three depths, one run begun in contact and one with a spike: no
  * block. */
 START_TEST(a_stiffening_specimen_is_no_block) {
-    explain_kind kind[3];
+    palp_explain_pressed pressed[3];
     palp_explain_input presses[3];
     uint64_t noise = 5;
     for (size_t r = 0; r < 3; r++) {
@@ -92,9 +92,9 @@ START_TEST(a_stiffening_specimen_is_no_block) {
             force[i] = force[80];
         presses[r] = (palp_explain_input){e, "press"};
     }
-    ck_assert_int_eq(explain_kinds_find(3, presses, kind, NULL), PALP_OK);
+    ck_assert_int_eq(explain_find_pressed(3, presses, pressed, NULL), PALP_OK);
     for (size_t r = 0; r < 3; r++) {
-        ck_assert_int_eq(kind[r], EXPLAIN_SPECIMEN);
+        ck_assert_int_eq(pressed[r].object, PALP_EXPLAIN_SPECIMEN);
         palp_experiment_free((palp_experiment *)(uintptr_t)presses[r].experiment);
     }
 }
@@ -160,7 +160,74 @@ START_TEST(a_block_alone_is_no_specimen) {
 }
 END_TEST
 
+/* What explain says of the runs before it fits any; NULL: it takes them all. */
+static const char *refusal(void) {
+    static palp_error error;
+    palp_explain_settings settings = palp_explain_settings_default();
+    palp_model m = lumped_model(0);
+    explain_data data;
+    palp_status status = explain_data_create(RUNS, input, &settings, &m, &data, &error);
+    explain_data_free(&data);
+    return status ? error.text : NULL;
+}
+
+static palp_experiment *last_run(void) {
+    return (palp_experiment *)(uintptr_t)input[RUNS - 1].experiment;
+}
+
+/* 0 and 1: a file that names a specimen, of a sensor that shows its noise alone, or 0 N. 2 and 3: a file that
+ * names nothing, of a sensor that stands still at 0 N or at another force. */
+START_TEST(a_dead_sensor_is_no_run_in_air) {
+    make(FRAME, 0, _i < 2);
+    input[RUNS - 1].name = "dead.csv";
+    if (_i < 2)
+        ck_assert_int_eq(palp_experiment_set_string(last_run(), "specimen.kind", "cylinder"), PALP_OK);
+    double *force = palp_experiment_column(last_run(), "force_N");
+    for (size_t i = 0; i < palp_experiment_rows(last_run()) && _i > 0; i++)
+        force[i] = _i == 3 ? 0.02 : 0;
+    const char *why = refusal();
+    ck_assert_ptr_nonnull(why);
+    ck_assert_msg(strstr(why, "dead.csv: force_N never leaves its noise: no contact, or a dead sensor"), "%s",
+                  why);
+    unmake();
+}
+END_TEST
+
+/* Of a run with noise whose file says nothing no one can know: it is said to be an assumption. */
+START_TEST(air_that_no_file_declares_is_said_to_be_assumed) {
+    static const palp_explain_object found[RUNS] = {PALP_EXPLAIN_SPECIMEN, PALP_EXPLAIN_SPECIMEN,
+                                                    PALP_EXPLAIN_SPECIMEN, PALP_EXPLAIN_BLOCK,
+                                                    PALP_EXPLAIN_AIR};
+    palp_explanation e;
+    make(FRAME, 0, _i);
+    explain(RUNS, &e);
+    ck_assert_uint_eq(e.n_inputs, RUNS);
+    for (size_t r = 0; r < RUNS; r++) {
+        ck_assert_int_eq(e.pressed[r].object, found[r]);
+        ck_assert_int_eq(e.pressed[r].declared, _i);
+    }
+    palp_explanation_free(&e);
+    unmake();
+}
+END_TEST
+
+/* Above nominal contact nothing is pressed: such a run need not leave its noise, whatever its file names. */
+START_TEST(a_run_above_contact_is_no_dead_sensor) {
+    make(FRAME, 0, _i);
+    if (_i)
+        ck_assert_int_eq(palp_experiment_set_string(last_run(), "specimen.kind", "cylinder"), PALP_OK);
+    double *depth = palp_experiment_column(last_run(), "depth_mm");
+    for (size_t i = 0; i < palp_experiment_rows(last_run()); i++)
+        depth[i] -= 4.6;
+    ck_assert_msg(!refusal(), "%s", refusal());
+    unmake();
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_loop_test(tc, a_dead_sensor_is_no_run_in_air, 0, 4);
+    tcase_add_loop_test(tc, air_that_no_file_declares_is_said_to_be_assumed, 0, 2);
+    tcase_add_loop_test(tc, a_run_above_contact_is_no_dead_sensor, 0, 2);
     tcase_add_loop_test(tc, what_is_pressed_is_told_by_the_file_or_the_force, 0, 2);
     tcase_add_test(tc, a_stiffening_specimen_is_no_block);
     tcase_add_loop_test(tc, a_block_shows_the_frame, 0, 2);
