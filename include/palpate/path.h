@@ -1,4 +1,4 @@
-/* path.h: the depth of the plate against time, piecewise linear. Stable. */
+/* path.h: the depth of the plate, or in creep its force, against time, piecewise linear. Stable. */
 #ifndef PALPATE_PATH_H
 #define PALPATE_PATH_H
 

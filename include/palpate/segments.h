@@ -91,6 +91,12 @@ PALP_API void palp_pieces_free(palp_pieces *pieces); /* frees what is owned, zer
  * ERR_NO_MEMORY. */
 PALP_API palp_status palp_segments_clock(size_t n, const double *time_s, double *step_s, size_t *missing);
 
+/* The path of a plate whose recorded depth has white noise, in place of depth[n]: a Kalman smoother with
+ * white acceleration (Wahba 1978), of the most likely intensity. All that follow a recorded path follow this
+ * one. *noise: the sd; 0 = none beyond an encoder's steps, and the depth stays to the bit. The times
+ * increase. ERR_ARGUMENT, ERR_NO_MEMORY. */
+PALP_API palp_status palp_segments_smooth_path(size_t n, const double *time_s, double *depth, double *noise);
+
 /* A press whose contact is not known. Its depth may start anywhere, and either direction may be into the
  * specimen. */
 typedef struct palp_press {

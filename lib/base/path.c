@@ -1,4 +1,4 @@
-/* path.c: the plate's depth over time, piecewise linear. */
+/* path.c: depth or, in creep, force of the plate over time, piecewise linear; paths of the protocols. */
 #include <palpate/path.h>
 
 #include <math.h>

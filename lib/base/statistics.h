@@ -1,4 +1,5 @@
-/* statistics.h: means, order statistics and straight lines. Internal. */
+/* statistics.h: means, order statistics, quantiles of Student's t and chi squared, straight lines. Internal.
+ */
 #ifndef PALP_STATISTICS_H
 #define PALP_STATISTICS_H
 

@@ -1,4 +1,4 @@
-/* text.h: valid UTF-8. */
+/* text.h: whether a text is valid UTF-8. */
 #ifndef PALP_TEXT_H
 #define PALP_TEXT_H
 

@@ -1,4 +1,5 @@
-/* cut.c: which elements are cut, which parts are loose, and what cutting adds to the network's equations. */
+/* cut.c: which elements are cut or torn, which parts are loose, and what cutting adds to the network's
+ * equations. */
 #include "cut_internal.h"
 #include "mesh/mesh_internal.h"
 

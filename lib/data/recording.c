@@ -62,7 +62,7 @@ static palp_status copy_recorded_columns(palp_recording *r, const palp_experimen
                                   r->name, i + 1);
     }
     double noise;
-    return segments_smooth_path(r->n, r->time_s, r->depth_m, &noise);
+    return palp_segments_smooth_path(r->n, r->time_s, r->depth_m, &noise);
 }
 
 static void read_specimen_header(palp_recording *r, const palp_experiment *e,

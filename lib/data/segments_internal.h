@@ -37,10 +37,11 @@ void segments_refine_contact(const palp_press *press, palp_air *air);
 /* Did the plate move through air before contact: by more than 3 sds of contact, and without force? */
 bool segments_air_seen(const palp_press *press, const palp_air *air);
 
-/* The path of a plate whose recorded depth has white noise, in place of depth[n]: a Kalman smoother with
- * white acceleration (Wahba 1978), of the most likely intensity. *noise: the sd; 0 = none beyond an encoder's
- * steps, and the depth stays to the bit. Depth in any unit. ERR_NO_MEMORY. */
-palp_status segments_smooth_path(size_t n, const double *time, double *depth, double *noise);
+enum { SEGMENTS_ORDER_MAX = 10 };
+
+/* palp_segments_smooth_path by a linear prediction of this order, up to SEGMENTS_ORDER_MAX. */
+palp_status segments_smooth_by_order(size_t order, size_t n, const double *time, double *depth,
+                                     double *noise);
 
 /* Whether sample i can be used: time in s, depth in mm and force in N finite, none beyond 1e12 either way, so
  * that sums of squares stay finite, and its time after that of the sample before. */

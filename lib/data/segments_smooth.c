@@ -8,53 +8,55 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ORDER = 8, TAPS = ORDER + 3, LEAST = 10 * TAPS };
+/* Of the linear prediction: a motion of a few decaying sinusoids, each of order 2, is foreseen. With 6 or 10
+ * the noise is the same within two standard errors, which a test holds. */
+enum { ORDER = 8, LEAST = 10 * (ORDER + 3) };
 static const double SD_OF_MEDIAN = 1.4826; /* a Gaussian's */
 
 /* ---- how noisy the depth is ---- */
 
-/* Weights with which a sample's bend is best predicted from the bends of the ORDER samples before it. */
-static bool predict_bends(size_t n, const double *bend, double weight[ORDER]) {
-    double a[ORDER * ORDER] = {0}, sum = 0.0;
-    memset(weight, 0, ORDER * sizeof *weight);
-    for (size_t i = ORDER; i < n; i++)
-        for (size_t k = 0; k < ORDER; k++) {
+/* Weights with which a sample's bend is best predicted from the bends of the order samples before it. */
+static bool predict_bends(size_t order, size_t n, const double *bend, double *weight) {
+    double a[SEGMENTS_ORDER_MAX * SEGMENTS_ORDER_MAX] = {0}, sum = 0.0;
+    memset(weight, 0, order * sizeof *weight);
+    for (size_t i = order; i < n; i++)
+        for (size_t k = 0; k < order; k++) {
             weight[k] += bend[i] * bend[i - 1 - k];
             for (size_t l = 0; l <= k; l++)
-                a[k * ORDER + l] += bend[i - 1 - k] * bend[i - 1 - l];
+                a[k * order + l] += bend[i - 1 - k] * bend[i - 1 - l];
         }
-    for (size_t k = 0; k < ORDER; k++)
-        sum += a[k * ORDER + k];
-    for (size_t k = 0; k < ORDER; k++)
-        a[k * ORDER + k] += 1e-12 * sum;
-    if (!dense_cholesky(ORDER, a))
+    for (size_t k = 0; k < order; k++)
+        sum += a[k * order + k];
+    for (size_t k = 0; k < order; k++)
+        a[k * order + k] += 1e-12 * sum;
+    if (!dense_cholesky(order, a))
         return false;
-    dense_cholesky_solve(ORDER, a, 1, weight);
+    dense_cholesky_solve(order, a, 1, weight);
     return true;
 }
 
 /* The sd of white noise in the depth: what no linear prediction from the samples before foresees. Straight
  * stretches, sinusoids and swings that die away are foreseen; corners are few, and do not count in a median.
  * bend[n - 2] is overwritten. */
-static double noise_of(size_t n, double *bend) {
+static double noise_of(size_t order, size_t n, double *bend) {
     const size_t m = n - 2;
-    double weight[ORDER], taps[TAPS] = {0}, square = 0.0;
-    if (!predict_bends(m, bend, weight))
+    double weight[SEGMENTS_ORDER_MAX], taps[SEGMENTS_ORDER_MAX + 3] = {0}, square = 0.0;
+    if (!predict_bends(order, m, bend, weight))
         return 0.0;
-    for (size_t k = 0; k <= ORDER; k++) { /* what becomes of the noise of single samples */
+    for (size_t k = 0; k <= order; k++) { /* what becomes of the noise of single samples */
         double w = k == 0 ? 1.0 : -weight[k - 1];
         taps[k] += w;
         taps[k + 1] -= 2.0 * w;
         taps[k + 2] += w;
     }
-    for (size_t k = 0; k < TAPS; k++)
+    for (size_t k = 0; k < order + 3; k++)
         square += taps[k] * taps[k];
-    for (size_t i = m; i-- > ORDER;)
-        for (size_t k = 0; k < ORDER; k++)
+    for (size_t i = m; i-- > order;)
+        for (size_t k = 0; k < order; k++)
             bend[i] -= weight[k] * bend[i - 1 - k];
-    for (size_t i = ORDER; i < m; i++)
+    for (size_t i = order; i < m; i++)
         bend[i] = fabs(bend[i]);
-    return SD_OF_MEDIAN * statistics_quantile(bend + ORDER, m - ORDER, 0.5) / sqrt(square);
+    return SD_OF_MEDIAN * statistics_quantile(bend + order, m - order, 0.5) / sqrt(square);
 }
 
 /* The smallest way from one sample to the next: no smaller than the step of an encoder. */
@@ -143,7 +145,8 @@ static void smooth(size_t n, const double *time, double q, state *s, double *dep
         depth[i] = s[i].x;
 }
 
-palp_status segments_smooth_path(size_t n, const double *time, double *depth, double *noise) {
+palp_status segments_smooth_by_order(size_t order, size_t n, const double *time, double *depth,
+                                     double *noise) {
     *noise = 0.0;
     if (n < LEAST)
         return PALP_OK;
@@ -152,7 +155,7 @@ palp_status segments_smooth_path(size_t n, const double *time, double *depth, do
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i + 2 < n; i++)
         bend[i] = depth[i] - 2.0 * depth[i + 1] + depth[i + 2];
-    const double sd = noise_of(n, bend);
+    const double sd = noise_of(order, n, bend);
     free(bend);
     if (!(sd > 0.0) || sd <= least_step(n, depth))
         return PALP_OK;
@@ -169,4 +172,9 @@ palp_status segments_smooth_path(size_t n, const double *time, double *depth, do
     free(states);
     *noise = sd;
     return PALP_OK;
+}
+
+palp_status palp_segments_smooth_path(size_t n, const double *time_s, double *depth, double *noise) {
+    return time_s && depth && noise ? segments_smooth_by_order(ORDER, n, time_s, depth, noise)
+                                    : PALP_ERR_ARGUMENT;
 }

@@ -76,7 +76,7 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
         run->depth[i] = 1e-3 * depth[i];
         run->force[i] = force[i];
     }
-    palp_status status = segments_smooth_path(run->n, run->time, run->depth, &noise);
+    palp_status status = palp_segments_smooth_path(run->n, run->time, run->depth, &noise);
     if (status)
         return status;
     for (size_t i = 0; i < run->n; i++)

@@ -1,4 +1,5 @@
-/* mesh_gmsh_line.c: lines and tokens of a Gmsh file, and errors with line numbers. */
+/* mesh_gmsh_line.c: what reads a Gmsh file by lines and tokens: numbers, growing lists, errors with line
+ * numbers. */
 #define _POSIX_C_SOURCE 200809L /* locale_t */
 #include "mesh_gmsh.h"
 #include "base/number.h"

@@ -1,4 +1,4 @@
-/* mesh_surface.c: tetrahedra of a mesh, and the triangles of its surface. */
+/* mesh_surface.c: cells of a mesh as tetrahedra, their neighbours, and the triangles of its surface. */
 #include "mesh_internal.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* model.c: paths of a model and its mesh. */
+/* model.c: what a model file refers to: folder and path of its mesh, the mesh itself, valid words. */
 #include "base/file.h"
 #include "model_internal.h"
 

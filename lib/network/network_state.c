@@ -1,5 +1,5 @@
-/* network_state.c: states of a network: allocated, reset to rest, set aside, saved to a buffer and
- * restored. */
+/* network_state.c: states of a network and of its terms: allocated, reset to rest, marked, saved to a buffer
+ * and restored. */
 #include "network_internal.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* network_step.c: one time step: predictor, Newton, stability of the tangent, commit. */
+/* network_step.c: one time step: predictor, Newton, fallbacks, stability of the tangent, commit. */
 #include "network_internal.h"
 #include "mesh/mesh_internal.h"
 

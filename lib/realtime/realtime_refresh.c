@@ -1,4 +1,5 @@
-/* realtime_refresh.c: makes the next factor in pieces, one a tick, while the present one is in use. */
+/* realtime_refresh.c: makes the next factor from the tangent's blocks, a piece in each tick or in a thread,
+ * while the present one is in use. */
 #include "realtime_internal.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* realtime_solve.c: conjugate gradients with the kept factor as preconditioner. */
+/* realtime_solve.c: evaluates the tissue, multiplies by its tangent, and solves by conjugate gradients with
+ * the multigrid cycle as preconditioner. */
 #include "realtime_internal.h"
 
 #include <math.h>

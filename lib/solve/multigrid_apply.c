@@ -1,4 +1,5 @@
-/* multigrid_apply.c: one V cycle: a Gauss-Seidel sweep down, one up, so that it is symmetric. */
+/* multigrid_apply.c: one symmetric V cycle, a Gauss-Seidel sweep down and one up; whole or in two halves, and
+ * its work. */
 #include "multigrid_internal.h"
 
 #include <string.h>

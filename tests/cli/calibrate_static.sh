@@ -51,6 +51,12 @@ near "27 nodes at half the depth" "$(at network.csv)" "$(at lumped.csv)" 0 0.02
 expect 0 calibrate $L lumped.csv --nodes 3 --scaling none --stage static --json
 near "fitted to a run: samples" "$(value out samples)" "$(grep -c '^[0-9]' lumped.csv)" 0 1
 near "fitted to a run: residual a sample" "$(value out residual | awk '{ print $1 / sqrt(100) }')" 0 0 0.01
+# Of a recorded depth with noise it follows the plate's motion, not the samples that noise puts deepest.
+expect 0 simulate $L --protocol static --depth-mm 5 --dt-ms 40 --relaxed --out slow.csv
+awk -F, 'BEGIN { srand(5) } /^[0-9]/ { printf "%s,%.6f,%s\n", $1, $2 + 0.03 * sqrt(-2 * log(1 - rand())) * cos(6.2831853 * rand()), $3; next }
+    { print }' slow.csv >tracked.csv
+expect 0 calibrate $L tracked.csv --nodes 3 --scaling none --stage static --json
+near "noise of 0.03 mm: residual a sample" "$(awk -v r="$(value out residual)" -v n="$(value out samples)" 'BEGIN { print r / sqrt(n) }')" 0 0 0.005
 # By its noise a sample just past contact has no force, or a negative one.
 awk -F, '/^[0-9]/ { d = ++n % 2 ? 0.04 : -0.04; if (n > 1) { print $1 "," $2 "," $3 + d; next } } { print }' lumped.csv >noisy.csv
 awk -F, '/^[0-9]/ && $2 > 0 && $3 <= 0 { found = 1 } END { exit !found }' noisy.csv || fail "noisy.csv: all forces are positive"

@@ -45,6 +45,16 @@ grep '^[0-9]' ramp.csv >a; grep '^[0-9]' like.csv >b
 paste -d, a b | awk -F, '{ d = $3 - $6; if (d < 0) d = -d; t = $1 - $4; if (t < 0) t = -t
     if (d > 1e-9 || t > 1e-9) { print; exit 1 } }' || fail "--like differs from the run it follows"
 
+# Noise of the recorded depth is no motion of the plate: the replay leaves the residual that the fit left.
+expect 0 simulate $L --protocol ramp_hold --depth-mm 5 --ramp-s 5 --hold-s 20 --dt-ms 20 --out exact.csv
+awk -F, 'BEGIN { srand(3) } function normal() { return sqrt(-2 * log(1 - rand())) * cos(6.2831853 * rand()) }
+    /^[0-9]/ { printf "%s,%.6f,%.7f\n", $1, $2 + 0.012 * normal(), $3 + 0.002 * normal(); next } { print }' exact.csv >tracked.csv
+expect 0 characterize tracked.csv --contact-mm 0 --out fitted.json --json
+left=$(value out rms_N)
+expect 0 simulate fitted.json --like tracked.csv --out replay.csv
+grep '^[0-9]' tracked.csv >a; grep '^[0-9]' replay.csv >b
+near "residual of the replay" "$(paste -d, a b | awk -F, '{ s += ($3 - $6) ^ 2 } END { print sqrt(s / NR) }')" "$left" 0.05
+
 # Creep of a linear solid under a step (a very short ramp): e(t) = F/K (1 - K1/(K+K1) exp(-t/T)), T = b (K+K1)/(K K1).
 cat >linear.json <<'J'
 {"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 20},

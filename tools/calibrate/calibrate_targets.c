@@ -214,6 +214,8 @@ static int read_run(const char *file, calibrate_state *s) {
         return code;
     palp_status status = palp_recording_check(run, file, s->lumped.height_m, &error);
     if (status == PALP_OK)
+        status = open_smooth_depth(run);
+    if (status == PALP_OK)
         status = kind_of(run, &kind);
     if (status) {
         code = cli_status_of(NAME, file, status, &error);

@@ -121,11 +121,11 @@ static void judge(const characterize_options *o, characterize_state *s) {
 /* With Poisson's ratio found where it can be. */
 static palp_moduli_settings settings_of(const characterize_options *o, const characterize_state *s) {
     palp_moduli_settings settings = palp_moduli_settings_default();
-    settings.n_arms = s->n_arms; /* of free times in any case, and not what one law for all tips has left */
-    if (o->arms_form != PALP_ARMS_FREE && s->material.n_arms >= 3)
-        settings.n_arms = 3;
-    else if (o->arms_form != PALP_ARMS_FREE)
-        settings.n_arms = s->material.n_arms;
+    /* Arms of free times as many as asked for, not what one law for all tips has left; of a spectrum at most
+     * three. */
+    settings.n_arms = o->arms_form == PALP_ARMS_FREE ? s->n_arms
+                      : s->material.n_arms < 3       ? s->material.n_arms
+                                                     : 3;
     settings.dwell_only = o->dwell_only;
     settings.contact_known = o->contact == 1 || !isnan(o->contact_mm);
     settings.poisson = o->poisson;

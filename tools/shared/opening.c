@@ -2,6 +2,7 @@
 #include "opening.h"
 #include "cli.h"
 
+#include <palpate/segments.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,6 +31,12 @@ int open_run(const char *command, const char *file, palp_experiment **run) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_experiment_read(file, run, &error);
     return status ? cli_status(command, status, &error) : CLI_OK;
+}
+
+palp_status open_smooth_depth(palp_experiment *run) {
+    double noise_mm;
+    return palp_segments_smooth_path(palp_experiment_rows(run), palp_experiment_column(run, "time_s"),
+                                     palp_experiment_column(run, "depth_mm"), &noise_mm);
 }
 
 palp_status open_set_text(palp_experiment *run, const char *key, const char *text) {

@@ -1,6 +1,7 @@
 /* cmd_simulate.c: palpate simulate: presses a model and writes the run. */
 #include "shared/cli.h"
 #include "shared/commands.h"
+#include "shared/opening.h"
 #include "simulate.h"
 
 #include <math.h>
@@ -252,6 +253,8 @@ static int simulate(const simulate_options *o, simulation *s) {
                              : palp_model_read(o->model, &s->model, &s->source, &error);
     if (status == PALP_OK && o->like)
         status = palp_experiment_read(o->like, &s->like, &error);
+    if (status == PALP_OK && o->like)
+        status = open_smooth_depth(s->like);
     if (status)
         return cli_status(NAME, status, &error);
     int code = o->band ? simulate_band_check(o, s) : CLI_OK;
