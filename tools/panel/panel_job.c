@@ -2,6 +2,7 @@
  * thread waits for. */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
+#include "shared/json_out.h"
 
 #include <signal.h>
 #include <stdlib.h>
@@ -71,10 +72,25 @@ static void explain_line(line *l, const panel *p) {
     file(l, p, "fits/", "explain.html", ".html");
 }
 
+/* Whether the last result of explain is of the chosen runs. */
+static bool is_explained(const panel *p) {
+    char path[CLI_PATH_MAX];
+    json_t *result =
+        panel_file(p, "fits/", "explain.json", ".json", path) ? json_load_file(path, 0, NULL) : NULL;
+    const json_t *list = json_object_get(result, "pressed");
+    bool same = json_array_size(list) == p->job.n;
+    for (size_t i = 0; i < p->job.n && same; i++)
+        same = strcmp(cli_base(json_text_at(json_array_get(list, i), "experiment")), p->job.run[i]) == 0;
+    json_decref(result);
+    return same;
+}
+
 static void report_line(line *l, const panel *p) {
     word(l, "report");
     runs(l, p);
     file(l, p, "fits/", PANEL_MODEL, ".json");
+    if (is_explained(p))
+        file(l, p, "fits/", "explain.json", ".json");
     word(l, "--out");
     file(l, p, "fits/", "report.html", ".html");
 }

@@ -6,6 +6,7 @@ import re
 import socket
 import sys
 import threading
+import time
 
 from panel_client import Panel, protocol, ramp
 
@@ -123,6 +124,25 @@ def listed(p):
         assert p.ask("GET", f"/made?name={name}")[0] == 404, name
     for runs in ("", "none.csv", "../runs/ramp_hold_2mm.csv"):
         assert "choose runs" in p.post("/job?what=fit", runs, wanted=409)["error"]
+
+
+def reported(p):
+    """The report shows what explain found, where that was of the chosen runs."""
+    def job(what, runs):
+        done = p.live()["job"]["done"]
+        p.post(f"/job?what={what}", runs)
+        while p.live()["job"]["done"] == done:
+            time.sleep(0.02)
+        assert p.live()["job"]["good"], p.notes
+    job("explain", "ramp_hold_2mm.csv")
+    result = json.load(open("runs/fits/explain.json"))
+    said = json.dumps(result["next_sentence"])[1:-1]
+    job("report", "ramp_hold_2mm.csv")
+    assert said in p.ask("GET", "/made?name=report.html")[2]
+    result["pressed"][0]["experiment"] = "runs/another.csv"
+    json.dump(result, open("runs/fits/explain.json", "w"))
+    job("report", "ramp_hold_2mm.csv")
+    assert said not in p.ask("GET", "/made?name=report.html")[2]
 
 
 def stopped(p):
@@ -259,7 +279,7 @@ def killed():
 
 p = Panel("--contact-mm", "2", "--limit-force-N", "2")
 try:
-    for part in (who_may_ask, bad_orders, make_ready, one_run, listed, stopped, unknown_leave, emergency, faulted, ended):
+    for part in (who_may_ask, bad_orders, make_ready, one_run, listed, reported, stopped, unknown_leave, emergency, faulted, ended):
         print(part.__name__)
         sys.stdout.flush()
         part(p)
