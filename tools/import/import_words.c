@@ -144,81 +144,61 @@ const import_unit *import_unit_of_name(const char *name) {
 
 /* ---- what a name says ---- */
 
-/* A word stands for itself in a longer one, but "=t" is all of a word. The rank says how surely it is the
- * one. */
-static const struct word {
+/* Words are between bars. A word stands for itself in a longer one, but "=t" is all of a word. The rank says
+ * how surely a name with one of them is the one. */
+static const struct ranked {
     int role, rank;
-    const char *text;
+    const char *list;
     /* clang-format off */
 } words[] = {
-    {TIME, 3, "time"}, {TIME, 3, "zeit"}, {TIME, 3, "=temps"}, {TIME, 3, "=tempo"}, {TIME, 3, "tiempo"},
-    {TIME, 3, "elapsed"}, {TIME, 2, "=t"}, {TIME, 2, "uhr"}, {TIME, 2, "clock"}, {TIME, 2, "=hora"},
-    {TIME, 2, "=heure"}, {TIME, 2, "=ora"}, {TIME, 2, "=date"}, {TIME, 2, "=datum"}, {TIME, 2, "x_value"},
-    {DEPTH, 4, "depth"}, {DEPTH, 4, "indent"}, {DEPTH, 4, "eindring"}, {DEPTH, 4, "enfoncement"},
-    {DEPTH, 4, "penetra"}, {DEPTH, 4, "affondamento"}, {DEPTH, 4, "profon"}, {DEPTH, 4, "profun"},
-    {DEPTH, 4, "tipposition"}, {DEPTH, 4, "tip position"}, {DEPTH, 3, "displac"}, {DEPTH, 3, "=disp"},
-    {DEPTH, 3, "compress"}, {DEPTH, 3, "position"}, {DEPTH, 3, "posicion"}, {DEPTH, 3, "posizione"},
-    {DEPTH, 3, "posicao"}, {DEPTH, 3, "=pos"}, {DEPTH, 3, "extension"}, {DEPTH, 3, "extensom"},
-    {DEPTH, 3, "travel"}, {DEPTH, 3, "stroke"}, {DEPTH, 3, "crosshead"}, {DEPTH, 3, "weg"},
-    {DEPTH, 3, "verschiebung"}, {DEPTH, 3, "deplacement"}, {DEPTH, 3, "spostamento"},
-    {DEPTH, 3, "desplaz"}, {DEPTH, 3, "desloc"}, {DEPTH, 3, "traverse"}, {DEPTH, 3, "verformung"},
-    {DEPTH, 3, "stauchung"}, {DEPTH, 3, "course"}, {DEPTH, 3, "corsa"}, {DEPTH, 3, "carrera"},
-    {DEPTH, 3, "=curso"}, {DEPTH, 3, "hub"}, {DEPTH, 3, "allongement"}, {DEPTH, 3, "allungamento"},
-    {DEPTH, 3, "alargamiento"}, {DEPTH, 3, "alongamento"}, {DEPTH, 3, "deform"}, {DEPTH, 3, "recorrido"},
-    {DEPTH, 3, "ecrasement"}, {DEPTH, 3, "lvdt"}, {DEPTH, 3, "percurso"}, {DEPTH, 3, "schiacciamento"},
-    {DEPTH, 2, "height"}, {DEPTH, 2, "hauteur"}, {DEPTH, 2, "altezza"}, {DEPTH, 2, "altura"},
-    {DEPTH, 2, "hohe"}, {DEPTH, 2, "=gap"}, {DEPTH, 2, "spalt"}, {DEPTH, 2, "distan"},
-    {DEPTH, 2, "abstand"}, {DEPTH, 2, "deflection"}, {DEPTH, 2, "piezo"}, {DEPTH, 2, "=z"},
-    {DEPTH, 2, "=d"}, {DEPTH, 2, "=x"}, {DEPTH, 2, "=s"}, {DEPTH, 2, "=u"}, {DEPTH, 2, "=h"},
-    {DEPTH, 2, "=l"}, {DEPTH, 2, "=dl"}, {DEPTH, 2, "delta"}, {DEPTH, 2, "path"}, {DEPTH, 2, "length"},
-    {FORCE, 3, "force"}, {FORCE, 3, "load"}, {FORCE, 3, "kraft"}, {FORCE, 3, "forza"},
-    {FORCE, 3, "fuerza"}, {FORCE, 3, "forca"}, {FORCE, 3, "=carga"}, {FORCE, 3, "=carico"},
-    {FORCE, 3, "=charge"}, {FORCE, 3, "=effort"}, {FORCE, 3, "=last"}, {FORCE, 3, "=fz"},
-    {FORCE, 3, "=fn"}, {FORCE, 2, "=f"}, {FORCE, 2, "weight"}, {FORCE, 2, "gewicht"},
-    {FORCE, 2, "=poids"}, {FORCE, 2, "=peso"}, {FORCE, 2, "=tension"}, {FORCE, 2, "deflection"},
-    {STRESS, 3, "stress"}, {STRESS, 3, "spannung"}, {STRESS, 3, "contrainte"}, {STRESS, 3, "sforzo"},
-    {STRESS, 3, "tension"}, {STRESS, 3, "esfuerzo"}, {STRESS, 3, "tensao"}, {STRESS, 2, "pressure"},
-    {STRESS, 2, "sigma"}, {STRESS, 2, "=f"}, {STRAIN, 3, "strain"}, {STRAIN, 3, "dehnung"},
-    {STRAIN, 3, "deform"}, {STRAIN, 3, "stauchung"}, {STRAIN, 3, "stretch"}, {STRAIN, 2, "epsilon"},
-    {STRAIN, 2, "compress"}, {STRAIN, 2, "elongation"}, {STRAIN, 2, "extension"}, {STRAIN, 2, "lambda"},
-    {STRAIN, 2, "allongement"}, {STRAIN, 2, "=l"}, {STRAIN, 2, "allungamento"},
-    {STRAIN, 2, "alargamiento"}, {STRAIN, 2, "alongamento"}, {DEFLECTION, 3, "deflection"},
-    {DEFLECTION, 3, "auslenkung"}, {DEFLECTION, 3, "deflexion"}, {TIME, 3, "时间"}, {TIME, 3, "時間"},
-    {DEPTH, 4, "深度"}, {DEPTH, 4, "深さ"}, {DEPTH, 3, "位移"}, {DEPTH, 3, "変位"},
-    {DEPTH, 3, "變位"},
-    {DEPTH, 3, "变形"}, {DEPTH, 3, "變形"}, {DEPTH, 3, "変形"}, {DEPTH, 3, "行程"},
-    {DEPTH, 3, "位置"},
-    {DEPTH, 3, "ストローク"}, {DEPTH, 2, "距离"}, {DEPTH, 2, "距離"}, {FORCE, 3, "=力"},
-    {FORCE, 3, "力值"},
-    {FORCE, 3, "试验力"}, {FORCE, 3, "試驗力"}, {FORCE, 3, "試験力"}, {FORCE, 3, "载荷"},
-    {FORCE, 3, "載荷"},
-    {FORCE, 3, "负荷"}, {FORCE, 3, "荷重"}, {FORCE, 3, "压力"}, {FORCE, 3, "圧力"},
-    {STRESS, 3, "应力"},
-    {STRESS, 3, "應力"}, {STRESS, 3, "応力"}, {STRESS, 2, "压力"}, {STRESS, 2, "圧力"},
-    {STRAIN, 3, "应变"},
-    {STRAIN, 3, "應變"}, {STRAIN, 3, "ひずみ"}};
+    {TIME, 3, "time|zeit|=temps|=tempo|tiempo|elapsed|时间|時間"},
+    {TIME, 2, "=t|uhr|clock|=hora|=heure|=ora|=date|=datum|x_value"},
+    {DEPTH, 4, "depth|indent|eindring|enfoncement|penetra|affondamento|profon|profun|tipposition|"
+        "tip position|深度|深さ"},
+    {DEPTH, 3, "displac|=disp|compress|position|posicion|posizione|posicao|=pos|extension|extensom|"
+        "travel|stroke|crosshead|weg|verschiebung|deplacement|spostamento|desplaz|desloc|traverse|"
+        "verformung|stauchung|course|corsa|carrera|=curso|hub|allongement|allungamento|alargamiento|"
+        "alongamento|deform|recorrido|ecrasement|lvdt|percurso|schiacciamento|位移|変位|變位|变形|變形|"
+        "変形|行程|位置|ストローク"},
+    {DEPTH, 2, "height|hauteur|altezza|altura|hohe|=gap|spalt|distan|abstand|deflection|piezo|=z|=d|=x|"
+        "=s|=u|=h|=l|=dl|delta|path|length|距离|距離"},
+    {FORCE, 3, "force|load|kraft|forza|fuerza|forca|=carga|=carico|=charge|=effort|=last|=fz|=fn|=力|"
+        "力值|试验力|試驗力|試験力|载荷|載荷|负荷|荷重|压力|圧力"},
+    {FORCE, 2, "=f|weight|gewicht|=poids|=peso|=tension|deflection"},
+    {STRESS, 3, "stress|spannung|contrainte|sforzo|tension|esfuerzo|tensao|应力|應力|応力"},
+    {STRESS, 2, "pressure|sigma|=f|压力|圧力"},
+    {STRAIN, 3, "strain|dehnung|deform|stauchung|stretch|应变|應變|ひずみ"},
+    {STRAIN, 2, "epsilon|compress|elongation|extension|lambda|allongement|=l|allungamento|alargamiento|"
+        "alongamento"},
+    {DEFLECTION, 3, "deflection|auslenkung|deflexion"}};
 /* clang-format on */
 
 /* Names with these are of something else, or are rather not the one. */
-static const char *const never[] = {
-    "rate",    "speed",   "velocity", "geschwindigkeit", "vitesse", "velocita",    "velocidad", "velocidade",
-    "tempera", "frequen", "freq",     "stiffness",       "modul",   "steifigkeit", "energ",     "work",
-    "arbeit",  "=error",  "zyklus",   "friction",        "速度",    "速率",        "温度"};
-static const char *const rather_not[] = {
-    "target", "=set",    "setpoint", "soll",       "demand",     "consigne", "command", "true",
-    "wahre",  "=vraie",  "lateral",  "transverse", "horizontal", "quer",     "peak",    "=max",
-    "=min",   "average", "raw",      "corrected",  "preload",    "absolut"};
+static const char never[] =
+    "rate|speed|velocity|geschwindigkeit|vitesse|velocita|velocidad|velocidade|"
+    "tempera|frequen|freq|stiffness|modul|steifigkeit|energ|work|arbeit|=error|zyklus|friction|速度|速率|"
+    "温度";
+static const char rather_not[] =
+    "target|=set|setpoint|soll|demand|consigne|command|true|wahre|=vraie|"
+    "lateral|transverse|horizontal|quer|peak|=max|=min|average|raw|corrected|preload|absolut";
 
 static bool is_letter(char c) {
     return isalnum((unsigned char)c) || (unsigned char)c >= 0x80;
 }
 
-/* Whether a name in small plain letters has the word. */
-static bool has_word(const char *name, const char *word) {
-    bool whole = *word == '=';
+/* Where the first n letters of a word are in a text; NULL: nowhere. */
+static const char *find(const char *text, const char *word, size_t n) {
+    while (*text && strncmp(text, word, n) != 0)
+        text++;
+    return *text ? text : NULL;
+}
+
+/* Whether a name in small plain letters has the word of n letters. */
+static bool has_word(const char *name, const char *word, size_t n) {
+    const bool whole = *word == '=';
     word += whole;
-    size_t n = strlen(word);
-    for (const char *at = strstr(name, word); at; at = strstr(at + 1, word)) {
+    n -= whole;
+    for (const char *at = find(name, word, n); at; at = find(at + 1, word, n)) {
         bool starts = at == name || !is_letter(at[-1]), ends = !is_letter(at[n]);
         if (!whole || (starts && ends))
             return true;
@@ -226,10 +206,12 @@ static bool has_word(const char *name, const char *word) {
     return false;
 }
 
-static bool has_any(const char *name, size_t n, const char *const list[]) {
-    for (size_t i = 0; i < n; i++)
-        if (has_word(name, list[i]))
+static bool has_any(const char *name, const char *list) {
+    for (size_t n; *list; list += n + (list[n] == '|')) {
+        n = strcspn(list, "|");
+        if (has_word(name, list, n))
             return true;
+    }
     return false;
 }
 
@@ -249,87 +231,71 @@ int import_name_rank(const char *name, const import_unit *unit, int role) {
     import_plain(name, true, plain, sizeof plain);
     if (unit && !import_unit_fits(unit, role))
         return 0;
-    if (has_any(plain, sizeof never / sizeof *never, never) && !(role == TIME && has_word(plain, "time")))
+    if (has_any(plain, never) && !(role == TIME && has_any(plain, "time")))
         return 0;
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        if (words[i].role == role && words[i].rank > rank && has_word(plain, words[i].text))
+        if (words[i].role == role && words[i].rank > rank && has_any(plain, words[i].list))
             rank = words[i].rank;
-    return rank > 1 && has_any(plain, sizeof rather_not / sizeof *rather_not, rather_not) ? 1 : rank;
+    return rank > 1 && has_any(plain, rather_not) ? 1 : rank;
 }
 
 bool import_names_in_han(const char *text) {
     bool found[ROLES] = {false};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        const char *word = words[i].text + (*words[i].text == '=');
-        if (starts_han((unsigned char)*word) && strstr(text, word))
-            found[words[i].role] = true;
+        const char *at = words[i].list;
+        for (size_t n; *at; at += n + (at[n] == '|')) {
+            const size_t whole = *at == '=';
+            n = strcspn(at, "|");
+            if (starts_han((unsigned char)at[whole]) && find(text, at + whole, n - whole))
+                found[words[i].role] = true;
+        }
     }
     return found[TIME] + found[DEPTH] + found[FORCE] + found[STRESS] + found[STRAIN] >= 2;
 }
 
 bool import_names_gap(const char *name) {
-    static const char *const gaps[] = {"gap", "spalt", "entrefer", "currentsize", "current size", "size_"};
     char plain[IMPORT_WORD];
     import_plain(name, true, plain, sizeof plain);
-    return has_any(plain, sizeof gaps / sizeof *gaps, gaps);
+    return has_any(plain, "gap|spalt|entrefer|currentsize|current size|size_");
 }
 
 /* ---- the specimen and the instrument ---- */
 
 /* clang-format off */
-static const struct word parts[] = {
-    {PART_HEIGHT, 4, "height"}, {PART_HEIGHT, 4, "hohe"}, {PART_HEIGHT, 4, "hauteur"},
-    {PART_HEIGHT, 4, "altezza"}, {PART_HEIGHT, 4, "altura"}, {PART_HEIGHT, 3, "length"},
-    {PART_HEIGHT, 3, "lange"}, {PART_HEIGHT, 3, "longueur"}, {PART_HEIGHT, 3, "lunghezza"},
-    {PART_HEIGHT, 3, "longitud"}, {PART_HEIGHT, 3, "comprimento"}, {PART_HEIGHT, 2, "gap"},
-    {PART_HEIGHT, 2, "spalt"}, {PART_HEIGHT, 2, "entrefer"}, {PART_HEIGHT, 2, "thickness"},
-    {PART_HEIGHT, 2, "dicke"}, {PART_HEIGHT, 2, "epaisseur"}, {PART_HEIGHT, 2, "spessore"},
-    {PART_HEIGHT, 2, "espesor"}, {PART_HEIGHT, 2, "espessura"}, {PART_HEIGHT, 2, "=h0"},
-    {PART_HEIGHT, 2, "=l0"}, {PART_DIAMETER, 3, "diamet"}, {PART_DIAMETER, 3, "durchmesser"},
-    {PART_DIAMETER, 3, "=d0"}, {PART_RADIUS, 3, "radius"}, {PART_RADIUS, 3, "=rayon"},
-    {PART_RADIUS, 3, "=raggio"}, {PART_RADIUS, 3, "=radio"}, {PART_RADIUS, 3, "=raio"},
-    {PART_AREA, 3, "=area"}, {PART_AREA, 3, "flache"}, {PART_AREA, 3, "querschnitt"},
-    {PART_AREA, 3, "=section"}, {PART_AREA, 3, "=aire"}, {PART_AREA, 3, "=seccion"},
-    {PART_AREA, 3, "sezione"}, {PART_AREA, 2, "=a0"}, {PART_AREA, 2, "=s0"},
-    {PART_SPRING, 3, "springconstant"}, {PART_SPRING, 3, "spring constant"},
-    {PART_SPRING, 3, "spring_constant"}, {PART_SPRING, 3, "federkonstante"},
-    {PART_SENSITIVITY, 3, "=sensitivity"}, {PART_SENSITIVITY, 3, "invols"},
-    {PART_RATE, 3, "sampling rate"}, {PART_RATE, 3, "sample rate"}, {PART_RATE, 3, "data rate"},
-    {PART_RATE, 3, "acquisition rate"}, {PART_RATE, 3, "sampling frequency"},
-    {PART_RATE, 3, "sample frequency"}, {PART_RATE, 3, "abtastrate"}, {PART_RATE, 3, "abtastfrequenz"},
-    {PART_RATE, 3, "messrate"}, {PART_RATE, 3, "frequence d'echantillonnage"},
-    {PART_RATE, 3, "frequenza di campionamento"}, {PART_RATE, 3, "frecuencia de muestreo"},
-    {PART_RATE, 3, "frequencia de amostragem"}, {PART_RATE, 2, "samplerate"},
-    {PART_RATE, 2, "sample_rate"}, {PART_RATE, 2, "sampling_rate"},
-    {PART_INTERVAL, 3, "sampling interval"}, {PART_INTERVAL, 3, "sample interval"},
-    {PART_INTERVAL, 3, "sampling time"}, {PART_INTERVAL, 3, "delta_x"},
-    {PART_INTERVAL, 3, "abtastintervall"}, {PART_INTERVAL, 2, "=dt"}, {PART_TIP_RADIUS, 3, "tip radius"},
-    {PART_TIP_RADIUS, 3, "tip_radius"}, {PART_TIP_RADIUS, 3, "indenter radius"},
-    {PART_TIP_RADIUS, 3, "probe radius"}, {PART_TIP_RADIUS, 3, "punch radius"},
-    {PART_TIP_RADIUS, 3, "kugelradius"}, {PART_TIP_DIAMETER, 3, "tip diameter"},
-    {PART_TIP_DIAMETER, 3, "indenter diameter"}, {PART_TIP_DIAMETER, 3, "probe diameter"},
-    {PART_TIP_DIAMETER, 3, "punch diameter"}, {PART_TIP_DIAMETER, 3, "kugeldurchmesser"},
-    {PART_TIP_DIAMETER, 3, "stempeldurchmesser"}, {PART_HEIGHT, 4, "高度"}, {PART_HEIGHT, 4, "高さ"},
-    {PART_HEIGHT, 2, "厚度"}, {PART_HEIGHT, 2, "厚さ"}, {PART_DIAMETER, 3, "直径"},
-    {PART_DIAMETER, 3, "直徑"},
-    {PART_RADIUS, 3, "半径"}, {PART_RADIUS, 3, "半徑"}, {PART_AREA, 3, "面积"},
-    {PART_AREA, 3, "面積"}};
+static const struct ranked parts[] = {
+    {PART_HEIGHT, 4, "height|hohe|hauteur|altezza|altura|高度|高さ"},
+    {PART_HEIGHT, 3, "length|lange|longueur|lunghezza|longitud|comprimento"},
+    {PART_HEIGHT, 2, "gap|spalt|entrefer|thickness|dicke|epaisseur|spessore|espesor|espessura|=h0|=l0|"
+        "厚度|厚さ"},
+    {PART_DIAMETER, 3, "diamet|durchmesser|=d0|直径|直徑"},
+    {PART_RADIUS, 3, "radius|=rayon|=raggio|=radio|=raio|半径|半徑"},
+    {PART_AREA, 3, "=area|flache|querschnitt|=section|=aire|=seccion|sezione|面积|面積"},
+    {PART_AREA, 2, "=a0|=s0"},
+    {PART_SPRING, 3, "springconstant|spring constant|spring_constant|federkonstante"},
+    {PART_SENSITIVITY, 3, "=sensitivity|invols"},
+    {PART_RATE, 3, "sampling rate|sample rate|data rate|acquisition rate|sampling frequency|"
+        "sample frequency|abtastrate|abtastfrequenz|messrate|frequence d'echantillonnage|"
+        "frequenza di campionamento|frecuencia de muestreo|frequencia de amostragem"},
+    {PART_RATE, 2, "samplerate|sample_rate|sampling_rate"},
+    {PART_INTERVAL, 3, "sampling interval|sample interval|sampling time|delta_x|abtastintervall"},
+    {PART_INTERVAL, 2, "=dt"},
+    {PART_TIP_RADIUS, 3, "tip radius|tip_radius|indenter radius|probe radius|punch radius|kugelradius"},
+    {PART_TIP_DIAMETER, 3, "tip diameter|indenter diameter|probe diameter|punch diameter|"
+        "kugeldurchmesser|stempeldurchmesser"}};
 /* clang-format on */
 
 /* A length of these is none of the specimen, nor a spring constant. */
-static const char *const elsewhere[] = {
-    "probe diam", "indent",  "punch",  "=tip",     "tip_",   "plate",      "platte",     "stempel",
-    "anvil",      "limit",   "offset", "=max",     "=min",   "final",      "wave",       "scan",
-    "path",       "loading", "field",  "cable",    "step",   "multiplier", "cantilever", "buffer",
-    "k-length",   "file",    "=data",  "at break", "record", "sensor",     "setpoint",   "sample rate",
-    "=rate",      "after",   "=end",   "trigger"};
+static const char elsewhere[] =
+    "probe diam|indent|punch|=tip|tip_|plate|platte|stempel|anvil|limit|"
+    "offset|=max|=min|final|wave|scan|path|loading|field|cable|step|multiplier|cantilever|buffer|k-length|"
+    "file|=data|at break|record|sensor|setpoint|sample rate|=rate|after|=end|trigger";
 
 int import_part_rank(const char *name, int part) {
     char plain[IMPORT_WORD];
     int rank = 0;
     import_plain(name, true, plain, sizeof plain);
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
-        if (parts[i].role == part && parts[i].rank > rank && has_word(plain, parts[i].text))
+        if (parts[i].role == part && parts[i].rank > rank && has_any(plain, parts[i].list))
             rank = parts[i].rank;
-    return part < PART_RATE && has_any(plain, sizeof elsewhere / sizeof *elsewhere, elsewhere) ? 0 : rank;
+    return part < PART_RATE && has_any(plain, elsewhere) ? 0 : rank;
 }
