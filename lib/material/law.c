@@ -180,9 +180,27 @@ static inline void polynomial_loop(size_t m, const double *c, size_t n, const do
         polynomial_force_by_horner(m, c, n, e, force);
 }
 
+/* sum c_j a^(j+2) / (j+2) */
+static void polynomial_energy(const palp_law *law, size_t n, const double *restrict e,
+                              double *restrict energy) {
+    double g[PALP_LAW_MAX];
+    size_t m = law->n;
+    for (size_t j = 0; j < m; j++)
+        g[j] = law->coefficients[j] / (double)(j + 2);
+    for (size_t i = 0; i < n; i++) {
+        double a = fabs(e[i]), w = g[m - 1];
+        for (size_t j = m - 1; j-- > 0;)
+            w = w * a + g[j];
+        energy[i] = w * a * a;
+    }
+}
+
 PALP_CLONES
-static void polynomial_force(const palp_law *law, size_t n, const double *e, double *force, double *tangent) {
+static void polynomial_force(const palp_law *law, size_t n, const double *e, double *force, double *tangent,
+                             double *energy) {
     const double *c = law->coefficients;
+    if (energy)
+        polynomial_energy(law, n, e, energy);
     switch (law->n) {
     case 1:
         polynomial_loop(1, c, n, e, force, tangent);
@@ -207,21 +225,6 @@ static void polynomial_force(const palp_law *law, size_t n, const double *e, dou
     }
 }
 
-/* sum c_j a^(j+2) / (j+2) */
-static void polynomial_energy(const palp_law *law, size_t n, const double *restrict e,
-                              double *restrict energy) {
-    double g[PALP_LAW_MAX];
-    size_t m = law->n;
-    for (size_t j = 0; j < m; j++)
-        g[j] = law->coefficients[j] / (double)(j + 2);
-    for (size_t i = 0; i < n; i++) {
-        double a = fabs(e[i]), w = g[m - 1];
-        for (size_t j = m - 1; j-- > 0;)
-            w = w * a + g[j];
-        energy[i] = w * a * a;
-    }
-}
-
 static void polynomial_stiffness(const palp_law *law, double a, double *stiffness, double *slope) {
     double k = law->coefficients[law->n - 1], d = 0.0;
     for (size_t j = law->n - 1; j-- > 0;) {
@@ -230,35 +233,6 @@ static void polynomial_stiffness(const palp_law *law, double a, double *stiffnes
     }
     *stiffness = k;
     *slope = d;
-}
-
-void law_kind_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
-                    double *energy_N) {
-    switch (law->kind) {
-    case PALP_LAW_POLYNOMIAL:
-        polynomial_force(law, n, e, force_N, tangent_N);
-        if (energy_N)
-            polynomial_energy(law, n, e, energy_N);
-        break;
-    case PALP_LAW_SPLINE:
-        law_spline_force(law, n, e, force_N, tangent_N, energy_N);
-        break;
-    default:
-        law_hyperelastic_force(law, n, e, force_N, tangent_N, energy_N);
-    }
-}
-
-void law_kind_stiffness(const palp_law *law, double a, double *stiffness, double *slope) {
-    switch (law->kind) {
-    case PALP_LAW_POLYNOMIAL:
-        polynomial_stiffness(law, a, stiffness, slope);
-        break;
-    case PALP_LAW_SPLINE:
-        law_spline_stiffness(law, a, stiffness, slope);
-        break;
-    default:
-        law_hyperelastic_stiffness(law, a, stiffness, slope);
-    }
 }
 
 static void polynomial_gradient(const palp_law *law, double a, double *dstiffness, double *dslope) {
@@ -272,15 +246,31 @@ static void polynomial_gradient(const palp_law *law, double a, double *dstiffnes
     }
 }
 
+/* What a kind of law computes, as the functions below. */
+typedef struct law_row {
+    void (*force)(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                  double *energy_N);
+    void (*stiffness)(const palp_law *law, double a, double *stiffness_N, double *slope_N);
+    void (*gradient)(const palp_law *law, double a, double *dstiffness, double *dslope);
+} law_row;
+
+static const law_row *row_of(palp_law_kind kind) {
+    static const law_row rows[] = {
+        {polynomial_force, polynomial_stiffness, polynomial_gradient},
+        {law_spline_force, law_spline_stiffness, law_spline_gradient},
+        {law_hyperelastic_force, law_hyperelastic_stiffness, law_hyperelastic_gradient}};
+    return &rows[kind == PALP_LAW_POLYNOMIAL ? 0 : kind == PALP_LAW_SPLINE ? 1 : 2];
+}
+
+void law_kind_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
+                    double *energy_N) {
+    row_of(law->kind)->force(law, n, e, force_N, tangent_N, energy_N);
+}
+
+void law_kind_stiffness(const palp_law *law, double a, double *stiffness, double *slope) {
+    row_of(law->kind)->stiffness(law, a, stiffness, slope);
+}
+
 void law_kind_gradient(const palp_law *law, double a, double *dstiffness, double *dslope) {
-    switch (law->kind) {
-    case PALP_LAW_POLYNOMIAL:
-        polynomial_gradient(law, a, dstiffness, dslope);
-        break;
-    case PALP_LAW_SPLINE:
-        law_spline_gradient(law, a, dstiffness, dslope);
-        break;
-    default:
-        law_hyperelastic_gradient(law, a, dstiffness, dslope);
-    }
+    row_of(law->kind)->gradient(law, a, dstiffness, dslope);
 }

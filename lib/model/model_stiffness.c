@@ -17,19 +17,6 @@ static palp_status read_nonempty_list(const palp_json *at, const char *key, palp
     return status;
 }
 
-static palp_status read_polynomial_law(const palp_json *at, palp_law *law) {
-    static const char *const keys[] = {"kind", "coefficients_N", "strain_max"};
-    palp_json list;
-    double c_N[PALP_LAW_MAX];
-    size_t n = 0;
-    palp_status status = palp_json_keys(at, COUNT(keys), keys);
-    if (!status)
-        status = read_nonempty_list(at, "coefficients_N", &list, &n, c_N);
-    if (!status && palp_law_polynomial(n, c_N, law))
-        status = palp_json_fail(&list, PALP_ERR_INPUT, "make no polynomial law");
-    return status;
-}
-
 static palp_status check_spline_knots(const palp_json *strain, size_t n, const double *a) {
     if (n < 2 || a[0] != 0)
         return palp_json_fail(strain, PALP_ERR_INPUT, "must have at least two knots, the first at 0");
@@ -58,19 +45,22 @@ static palp_status read_spline_law(const palp_json *at, palp_law *law) {
     return status;
 }
 
-static palp_status read_hyperelastic_law(const palp_json *at, palp_law_kind kind, double radius_m,
-                                         palp_law *law) {
-    static const char *const keys[] = {"kind", "coefficients_Pa", "strain_max"};
+/* A polynomial or a hyperelastic law: coefficients alone. */
+static palp_status read_law_of_coefficients(const palp_json *at, palp_law_kind kind, double radius_m,
+                                            palp_law *law) {
+    const bool polynomial = kind == PALP_LAW_POLYNOMIAL;
+    const char *const keys[] = {"kind", polynomial ? "coefficients_N" : "coefficients_Pa", "strain_max"};
     palp_json list;
-    double c_Pa[PALP_LAW_MAX];
+    double c[PALP_LAW_MAX];
     size_t n = 0;
     palp_status status = palp_json_keys(at, COUNT(keys), keys);
     if (!status)
-        status = read_nonempty_list(at, "coefficients_Pa", &list, &n, c_Pa);
-    if (!status && !(radius_m > 0))
+        status = read_nonempty_list(at, keys[1], &list, &n, c);
+    if (!status && !polynomial && !(radius_m > 0))
         status =
             palp_json_fail(at, PALP_ERR_INPUT, "is hyperelastic: it needs specimen.radius_mm for the area");
-    if (!status && palp_law_hyperelastic(kind, n, c_Pa, palp_model_area(radius_m), law))
+    if (!status && (polynomial ? palp_law_polynomial(n, c, law)
+                               : palp_law_hyperelastic(kind, n, c, palp_model_area(radius_m), law)))
         status =
             palp_json_fail(&list, PALP_ERR_INPUT, "make no %s law: %zu of them", palp_law_kind_name(kind), n);
     return status;
@@ -93,11 +83,8 @@ static palp_status read_stiffness_law(const palp_json *at, palp_model *model) {
                               "\"%s\" is none of polynomial, spline, neo_hookean, mooney_rivlin2, "
                               "mooney_rivlin5, yeoh, ogden",
                               name);
-    if (law_kind == PALP_LAW_POLYNOMIAL)
-        return read_polynomial_law(at, law);
-    if (law_kind == PALP_LAW_SPLINE)
-        return read_spline_law(at, law);
-    return read_hyperelastic_law(at, law_kind, model->radius_m, law);
+    return law_kind == PALP_LAW_SPLINE ? read_spline_law(at, law)
+                                       : read_law_of_coefficients(at, law_kind, model->radius_m, law);
 }
 
 /* Reads the largest strain at which the law was measured, if present. */
