@@ -34,13 +34,11 @@ static json_t *iteration_json(calibrate_method method, bool relaxation, const pa
     json_t *entry = json_object();
     if (method == METHOD_THREE_PHASE) {
         json_object_set_new(entry, "phase", json_integer(it->phase));
-        json_object_set_new(entry, "stiffness_N", json_number_or_null(it->material.arms[0].stiffness_N));
-        json_object_set_new(entry, "viscosity_Ns", json_number_or_null(it->material.arms[0].viscosity_Ns));
-        json_object_set_new(entry, "peak_error_percent", json_number_or_null(it->peak_error_percent));
-        json_object_set_new(entry, "steady_time_error_percent",
-                            json_number_or_null(it->steady_time_error_percent));
-        json_object_set_new(entry, "steady_force_error_percent",
-                            json_number_or_null(it->steady_force_error_percent));
+        json_figures(entry, {"stiffness_N", it->material.arms[0].stiffness_N},
+                     {"viscosity_Ns", it->material.arms[0].viscosity_Ns},
+                     {"peak_error_percent", it->peak_error_percent},
+                     {"steady_time_error_percent", it->steady_time_error_percent},
+                     {"steady_force_error_percent", it->steady_force_error_percent});
         if (it->phase == 3) {
             json_t *law = json_object(); /* apart: a spline has a stiffness_N too */
             json_add_law(law, &it->material.law);
@@ -48,7 +46,7 @@ static json_t *iteration_json(calibrate_method method, bool relaxation, const pa
         }
         return entry;
     }
-    json_object_set_new(entry, "residual", json_number_or_null(it->residual_N));
+    json_figures(entry, {"residual", it->residual_N});
     json_add_law(entry, &it->material.law);
     if (relaxation) {
         json_object_set_new(entry, "relative_rms_percent", json_real(100 * it->relative_rms));
@@ -72,7 +70,7 @@ static void add_stage(json_t *to, const calibrate_state *s, bool relaxation) {
     calibrate_method method = relaxation ? s->relaxation_method : s->static_method;
     json_t *iterations = json_array();
     json_object_set_new(to, "method", json_string(method_name(method)));
-    json_object_set_new(to, "residual", json_number_or_null(c->residual_N));
+    json_figures(to, {"residual", c->residual_N});
     json_object_set_new(to, "converged", json_boolean(c->converged));
     json_add_law(to, &c->material.law);
     json_object_set_new(to, "arms", arms_json(&c->material));

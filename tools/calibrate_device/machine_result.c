@@ -7,8 +7,8 @@
 static const char NAME[] = MACHINE_NAME;
 
 void machine_tell(machine_result *r, const char *name, double value, double half, const char *what) {
-    json_t *one = json_pack("{so so so}", "value", json_number_or_null(value), "low",
-                            json_number_or_null(value - half), "high", json_number_or_null(value + half));
+    json_t *one = json_object();
+    json_figures(one, {"value", value}, {"low", value - half}, {"high", value + half});
     if (!r->figures)
         r->figures = json_object();
     json_object_set_new(r->figures, name, one);

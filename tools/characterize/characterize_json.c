@@ -1,10 +1,6 @@
 /* characterize_json.c: what palpate characterize found, as JSON. */
 #include "characterize.h"
 
-static void set(json_t *to, const char *key, double value) {
-    json_object_set_new(to, key, json_number_or_null(value));
-}
-
 static void set_text(json_t *to, const char *key, const char *text) {
     json_object_set_new(to, key, json_text(text));
 }
@@ -14,7 +10,7 @@ static json_t *law_json(const palp_law *law) {
     set_text(to, "kind", palp_law_kind_name(law->kind));
     json_add_law(to, law);
     if (law->strain_max > 0)
-        set(to, "strain_max", law->strain_max);
+        json_figures(to, {"strain_max", law->strain_max});
     return to;
 }
 
@@ -36,10 +32,7 @@ static json_t *estimates_json(const palp_lumped_fit *f) {
         json_t *to = json_object();
         set_text(to, "name", e->name);
         set_text(to, "unit", e->unit);
-        set(to, "value", e->value);
-        set(to, "sd", e->sd);
-        set(to, "low", e->low);
-        set(to, "high", e->high);
+        json_figures(to, {"value", e->value}, {"sd", e->sd}, {"low", e->low}, {"high", e->high});
         json_object_set_new(to, "determined", json_boolean(e->determined));
         json_array_append_new(list, to);
     }
@@ -58,10 +51,9 @@ static json_t *scores_json(const characterize_scores *c, const char *what, bool 
     for (size_t k = 0; k < c->n; k++) {
         json_t *to = json_object();
         json_object_set_new(to, what, json_integer((json_int_t)(c->first + k)));
-        set(to, "held_out", c->score[k]);
-        set(to, "excess_sd", c->sd[k]);
+        json_figures(to, {"held_out", c->score[k]}, {"excess_sd", c->sd[k]});
         if (rms)
-            set(to, "rms_noise", c->rms_noise[k]);
+            json_figures(to, {"rms_noise", c->rms_noise[k]});
         json_object_set_new(to, "taken", json_boolean(c->first + k == c->best));
         json_array_append_new(list, to);
     }
@@ -75,8 +67,7 @@ static json_t *laws_json(const characterize_state *s) {
         json_t *to = json_object();
         set_text(to, "kind", palp_law_kind_name(s->law[k].kind));
         json_object_set_new(to, "parameters", json_integer((json_int_t)s->law[k].n));
-        set(to, "held_out", s->laws.score[k]);
-        set(to, "excess_sd", s->laws.sd[k]);
+        json_figures(to, {"held_out", s->laws.score[k]}, {"excess_sd", s->laws.sd[k]});
         json_object_set_new(to, "taken", json_boolean(k == s->laws.best));
         json_array_append_new(list, to);
     }
@@ -88,12 +79,12 @@ static json_t *laws_json(const characterize_state *s) {
 static json_t *fitted_run_json(const characterize_state *s, size_t i) {
     const palp_recording *r = &s->run[i];
     json_t *to = run_json(r);
-    set(to, "peak_N", s->peak_N[i]);
-    set(to, "largest_residual_percent", 100 * s->largest_N[i] / s->peak_N[i]);
+    json_figures(to, {"peak_N", s->peak_N[i]},
+                 {"largest_residual_percent", 100 * s->largest_N[i] / s->peak_N[i]});
     if (s->has_final) {
-        set(to, "rms_N", s->final.rms_N[i]);
-        set(to, "rms_noise", characterize_noise_ratio(&s->final, i, r));
-        set(to, "absolute_N", s->final.absolute_N[i]);
+        json_figures(to, {"rms_N", s->final.rms_N[i]},
+                     {"rms_noise", characterize_noise_ratio(&s->final, i, r)},
+                     {"absolute_N", s->final.absolute_N[i]});
     }
     return to;
 }
@@ -115,11 +106,9 @@ static json_t *single_json(const characterize_state *s, size_t i) {
     const palp_lumped_fit *f = &s->single[i];
     json_t *to = json_object();
     set_text(to, "file", r->name);
-    set(to, "depth_mm", 1e3 * r->deepest_m);
-    set(to, "strain", r->deepest_m / r->height_m);
+    json_figures(to, {"depth_mm", 1e3 * r->deepest_m}, {"strain", r->deepest_m / r->height_m});
     json_object_set_new(to, "estimates", estimates_json(f));
-    set(to, "rms_N", f->rms_N[0]);
-    set(to, "rms_noise", characterize_noise_ratio(f, 0, r));
+    json_figures(to, {"rms_N", f->rms_N[0]}, {"rms_noise", characterize_noise_ratio(f, 0, r)});
     json_object_set_new(to, "merged", json_integer((json_int_t)f->n_merged));
     json_object_set_new(to, "converged", json_boolean(f->converged));
     return to;
@@ -132,7 +121,7 @@ static json_t *shared_json(const characterize_state *s) {
     json_object_set_new(to, "springs_N", json_numbers(f->n_runs, f->spring_N));
     json_object_set_new(to, "estimates", estimates_json(f));
     json_object_set_new(to, "correlation", correlation_json(f));
-    set(to, "total_absolute_residual_N", characterize_total(f));
+    json_figures(to, {"total_absolute_residual_N", characterize_total(f)});
     json_object_set_new(to, "merged", json_integer((json_int_t)f->n_merged));
     json_object_set_new(to, "converged", json_boolean(f->converged));
     return to;
@@ -143,12 +132,9 @@ static json_t *gap_json(const characterize_state *s) {
     for (size_t i = 0; i < s->n_gap; i++) {
         const characterize_gap *g = &s->gap[i];
         json_t *to = json_object();
-        set(to, "strain", g->strain);
-        set(to, "ramp_hold_N", g->run_N);
-        set(to, "ramp_hold_low_N", g->low_N);
-        set(to, "ramp_hold_high_N", g->high_N);
-        set(to, "static_plain_N", g->plain_N);
-        set(to, "joint_N", g->joint_N);
+        json_figures(to, {"strain", g->strain}, {"ramp_hold_N", g->run_N}, {"ramp_hold_low_N", g->low_N},
+                     {"ramp_hold_high_N", g->high_N}, {"static_plain_N", g->plain_N},
+                     {"joint_N", g->joint_N});
         json_array_append_new(list, to);
     }
     return list;
@@ -160,13 +146,10 @@ static json_t *band_json(const characterize_state *s) {
     for (size_t i = 0; i < s->n_band; i++) {
         const characterize_known *at = &s->band[i];
         json_t *to = json_object();
-        set(to, "strain", at->strain);
-        set(to, "stiffness_N", at->stiffness_N);
-        set(to, "stiffness_low_N", at->low_N);
-        set(to, "stiffness_high_N", at->high_N);
-        set(to, "force_N", at->stiffness_N * at->strain);
-        set(to, "force_low_N", at->low_N * at->strain);
-        set(to, "force_high_N", at->high_N * at->strain);
+        json_figures(to, {"strain", at->strain}, {"stiffness_N", at->stiffness_N},
+                     {"stiffness_low_N", at->low_N}, {"stiffness_high_N", at->high_N},
+                     {"force_N", at->stiffness_N * at->strain}, {"force_low_N", at->low_N * at->strain},
+                     {"force_high_N", at->high_N * at->strain});
         json_array_append_new(list, to);
     }
     return list;
@@ -177,11 +160,8 @@ static json_t *spread_json(const characterize_state *s) {
     for (size_t i = 0; i < s->n_spread; i++) {
         const characterize_spread *at = &s->spread[i];
         json_t *to = json_object();
-        set(to, "strain", at->strain);
-        set(to, "mean_N", at->mean_N);
-        set(to, "sd_N", at->sd_N);
-        set(to, "low_N", at->low_N);
-        set(to, "high_N", at->high_N);
+        json_figures(to, {"strain", at->strain}, {"mean_N", at->mean_N}, {"sd_N", at->sd_N},
+                     {"low_N", at->low_N}, {"high_N", at->high_N});
         json_array_append_new(list, to);
     }
     return list;
@@ -227,20 +207,18 @@ json_t *characterize_json(const characterize_options *o, const characterize_stat
     json_object_set_new(all, "arms", arms_json(&s->material));
     json_object_set_new(all, "estimates", estimates_json(f));
     json_object_set_new(all, "correlation", correlation_json(f));
-    set(all, "total_absolute_residual_N", characterize_total(f));
-    set(all, "reduced_chi2", f->reduced_chi2);
-    set(all, "inflation", f->inflation);
+    json_figures(all, {"total_absolute_residual_N", characterize_total(f)}, {"reduced_chi2", f->reduced_chi2},
+                 {"inflation", f->inflation});
     json_object_set_new(all, "merged", json_integer((json_int_t)f->n_merged));
     json_object_set_new(all, "constrained", json_boolean(f->constrained));
     json_object_set_new(all, "converged", json_boolean(f->converged));
-    set(all, "strain_max", characterize_strain_max(s));
+    json_figures(all, {"strain_max", characterize_strain_max(s)});
     set_text(all, "contact",
              s->contact == PALP_CONTACT_FREE     ? "free"
              : s->contact == PALP_CONTACT_COMMON ? "common"
                                                  : "known");
-    set(all, "contact_scatter_mm", 1e3 * s->contact_scatter_m);
-    set(all, "gap_before_percent", s->gap_before_percent);
-    set(all, "gap_after_percent", s->gap_after_percent);
+    json_figures(all, {"contact_scatter_mm", 1e3 * s->contact_scatter_m},
+                 {"gap_before_percent", s->gap_before_percent}, {"gap_after_percent", s->gap_after_percent});
     json_object_set_new(all, "filter",
                         json_pack("{s:s, s:i, s:f, s:b}", "kind", "Butterworth, forward and backward",
                                   "order", RUN_FILTER_ORDER, "cutoff_Hz", s->cutoff_Hz, "used_for_fit",

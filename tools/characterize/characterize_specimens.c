@@ -262,9 +262,8 @@ static json_t *bodies_json(const characterize_state *s) {
         json_t *to = json_object();
         json_object_set_new(to, "name", json_text(characterize_specimen_name(s, k)));
         json_object_set_new(to, "runs", json_integer((json_int_t)body->n_runs));
-        json_object_set_new(to, "height_mm", json_number_or_null(1e3 * body->height_m));
-        json_object_set_new(to, "radius_mm", json_number_or_null(1e3 * body->radius_m));
-        json_object_set_new(to, "factor", json_number_or_null(s->factor[k]));
+        json_figures(to, {"height_mm", 1e3 * body->height_m}, {"radius_mm", 1e3 * body->radius_m},
+                     {"factor", s->factor[k]});
         json_array_append_new(list, to);
     }
     return list;
@@ -288,22 +287,13 @@ static json_t *points_json(const characterize_state *s) {
     json_t *list = json_array();
     for (size_t i = 0; i < s->n_points; i++) {
         const palp_specimens_point *at = &s->point[i];
-        const struct {
-            const char *key;
-            double value;
-        } row[] = {{"strain", characterize_strain_max(s) * (double)i / (double)(s->n_points - 1)},
-                   {"stiffness_N", at->stiffness_N},
-                   {"mean_low_N", at->stiffness_N - 1.96 * at->sd_N},
-                   {"mean_high_N", at->stiffness_N + 1.96 * at->sd_N},
-                   {"between_sd_N", at->between_N},
-                   {"between_low_N", at->between_low},
-                   {"between_high_N", at->between_high},
-                   {"within_sd_N", at->within_N},
-                   {"specimen_low_N", at->stiffness_N - 1.96 * at->new_sd_N},
-                   {"specimen_high_N", at->stiffness_N + 1.96 * at->new_sd_N}};
         json_t *to = json_object();
-        for (size_t k = 0; k < sizeof row / sizeof row[0]; k++)
-            json_object_set_new(to, row[k].key, json_number_or_null(row[k].value));
+        json_figures(to, {"strain", characterize_strain_max(s) * (double)i / (double)(s->n_points - 1)},
+                     {"stiffness_N", at->stiffness_N}, {"mean_low_N", at->stiffness_N - 1.96 * at->sd_N},
+                     {"mean_high_N", at->stiffness_N + 1.96 * at->sd_N}, {"between_sd_N", at->between_N},
+                     {"between_low_N", at->between_low}, {"between_high_N", at->between_high},
+                     {"within_sd_N", at->within_N}, {"specimen_low_N", at->stiffness_N - 1.96 * at->new_sd_N},
+                     {"specimen_high_N", at->stiffness_N + 1.96 * at->new_sd_N});
         json_array_append_new(list, to);
     }
     return list;

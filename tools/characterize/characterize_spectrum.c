@@ -59,32 +59,21 @@ void characterize_print_spectrum(const characterize_state *s) {
 
 /* ---- JSON ---- */
 
-static void set(json_t *to, const char *key, double value) {
-    json_object_set_new(to, key, json_number_or_null(value));
-}
-
 static json_t *point_json(const characterize_state *s, size_t run, const palp_spectrum_point *p) {
     const palp_recording *r = &s->run[run];
     double storage = NAN, loss = NAN;
     json_t *to = json_object();
     json_object_set_new(to, "file", json_text(r->name));
     characterize_model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
-    set(to, "frequency_Hz", p->frequency_Hz);
-    set(to, "from_s", p->from_s);
-    set(to, "to_s", p->to_s);
-    set(to, "cycles", p->cycles);
-    set(to, "depth_mm", 1e3 * p->depth_m);
-    set(to, "amplitude_mm", 1e3 * p->amplitude_m);
-    set(to, "storage_N_m", p->storage_N_m);
-    set(to, "storage_low_N_m", p->storage_N_m - Z95 * p->storage_sd_N_m);
-    set(to, "storage_high_N_m", p->storage_N_m + Z95 * p->storage_sd_N_m);
-    set(to, "loss_N_m", p->loss_N_m);
-    set(to, "loss_low_N_m", p->loss_N_m - Z95 * p->loss_sd_N_m);
-    set(to, "loss_high_N_m", p->loss_N_m + Z95 * p->loss_sd_N_m);
-    set(to, "model_storage_N_m", storage);
-    set(to, "model_loss_N_m", loss);
-    set(to, "storage_Pa", characterize_modulus(r, p->storage_N_m));
-    set(to, "loss_Pa", characterize_modulus(r, p->loss_N_m));
+    json_figures(to, {"frequency_Hz", p->frequency_Hz}, {"from_s", p->from_s}, {"to_s", p->to_s},
+                 {"cycles", p->cycles}, {"depth_mm", 1e3 * p->depth_m},
+                 {"amplitude_mm", 1e3 * p->amplitude_m}, {"storage_N_m", p->storage_N_m},
+                 {"storage_low_N_m", p->storage_N_m - Z95 * p->storage_sd_N_m},
+                 {"storage_high_N_m", p->storage_N_m + Z95 * p->storage_sd_N_m}, {"loss_N_m", p->loss_N_m},
+                 {"loss_low_N_m", p->loss_N_m - Z95 * p->loss_sd_N_m},
+                 {"loss_high_N_m", p->loss_N_m + Z95 * p->loss_sd_N_m}, {"model_storage_N_m", storage},
+                 {"model_loss_N_m", loss}, {"storage_Pa", characterize_modulus(r, p->storage_N_m)},
+                 {"loss_Pa", characterize_modulus(r, p->loss_N_m)});
     return to;
 }
 

@@ -256,9 +256,9 @@ void characterize_tip_print(const characterize_state *s) {
 }
 
 static json_t *modulus_json(const palp_modulus *m) {
-    return json_pack("{s:o, s:o, s:o, s:o}", "value", json_number_or_null(m->value), "sd",
-                     json_number_or_null(m->sd), "low", json_number_or_null(m->low), "high",
-                     json_number_or_null(m->high));
+    json_t *to = json_object();
+    json_figures(to, {"value", m->value}, {"sd", m->sd}, {"low", m->low}, {"high", m->high});
+    return to;
 }
 
 static json_t *tip_json(const characterize_state *s, size_t i) {
@@ -296,11 +296,8 @@ json_t *characterize_tip_json(const characterize_state *s) {
     json_object_set_new(to, "young_inf_Pa", modulus_json(&m->young_inf_Pa));
     json_object_set_new(to, "young_0_Pa", modulus_json(&m->young_0_Pa));
     json_object_set_new(to, "arms", arms);
-    json_object_set_new(to, "shear_inf_at_0_5_Pa", json_number_or_null(m->shear_low_Pa));
-    json_object_set_new(to, "shear_inf_at_0_3_Pa", json_number_or_null(m->shear_high_Pa));
-    json_object_set_new(to, "largest_depth", json_number_or_null(m->largest_depth));
-    json_object_set_new(to, "widest_contact", json_number_or_null(m->widest_contact));
-    json_object_set_new(to, "contact_shift_mm", json_number_or_null(1e3 * m->largest_shift_m));
-    json_object_set_new(to, "misfit", json_number_or_null(m->misfit));
+    json_figures(to, {"shear_inf_at_0_5_Pa", m->shear_low_Pa}, {"shear_inf_at_0_3_Pa", m->shear_high_Pa},
+                 {"largest_depth", m->largest_depth}, {"widest_contact", m->widest_contact},
+                 {"contact_shift_mm", 1e3 * m->largest_shift_m}, {"misfit", m->misfit});
     return to;
 }

@@ -9,17 +9,13 @@ static const char *id_of(palp_effect_id id) {
     return palp_effect_look_up(id)->id;
 }
 
-static void put(json_t *object, const char *key, double value) {
-    json_object_set_new(object, key, json_number_or_null(value));
-}
-
 static json_t *effect_json(const palp_explain_effect *f) {
     const palp_effect_info *info = palp_effect_look_up(f->effect.id);
     json_t *value = json_object(), *intervals = json_object(), *alike = json_array(), *object = json_object();
     for (size_t k = 0; k < info->n_parameters; k++) {
         const palp_effect_parameter *p = &info->parameter[k];
         double interval[2] = {f->low[k] / p->unit, f->high[k] / p->unit};
-        put(value, p->key, f->effect.value[k] / p->unit);
+        json_figures(value, {p->key, f->effect.value[k] / p->unit});
         json_object_set_new(intervals, p->key, json_numbers(2, interval));
     }
     for (size_t k = 0; k < f->n_class; k++)
@@ -28,48 +24,37 @@ static json_t *effect_json(const palp_explain_effect *f) {
     json_object_set_new(object, "parameters", value);
     json_object_set_new(object, "intervals", intervals);
     json_object_set_new(object, "class", alike);
-    put(object, "evidence", f->evidence);
-    put(object, "evidence_standard_error", f->evidence_se);
-    put(object, "gap_closed", f->gap_closed);
+    json_figures(object, {"evidence", f->evidence}, {"evidence_standard_error", f->evidence_se},
+                 {"gap_closed", f->gap_closed});
     json_object_set_new(object, "recovers", json_boolean(f->recovers));
     return object;
 }
 
 static json_t *gap_json(const palp_explanation *e) {
     json_t *gap = json_object();
-    put(gap, "noise_level_N", e->gap.noise_level_N);
-    put(gap, "before_N", e->gap.before_N);
-    put(gap, "after_N", e->gap.after_N);
-    put(gap, "heldout_before_N", e->gap.heldout_before_N);
-    put(gap, "heldout_after_N", e->gap.heldout_after_N);
-    put(gap, "closed", e->gap.closed);
-    put(gap, "unexplained_N", e->unexplained_N);
+    json_figures(gap, {"noise_level_N", e->gap.noise_level_N}, {"before_N", e->gap.before_N},
+                 {"after_N", e->gap.after_N}, {"heldout_before_N", e->gap.heldout_before_N},
+                 {"heldout_after_N", e->gap.heldout_after_N}, {"closed", e->gap.closed},
+                 {"unexplained_N", e->unexplained_N});
     return gap;
 }
 
 static json_t *noise_level_json(const palp_explanation *e) {
     json_t *parts = json_object();
-    put(parts, "white_N", e->white_N);
-    put(parts, "correlated_N", e->correlated_N);
-    put(parts, "correlation_s", e->correlation_s);
-    put(parts, "gain_scatter", e->gain.sd);
-    put(parts, "contact_scatter_mm", 1e3 * e->contact.sd);
+    json_figures(parts, {"white_N", e->white_N}, {"correlated_N", e->correlated_N},
+                 {"correlation_s", e->correlation_s}, {"gain_scatter", e->gain.sd},
+                 {"contact_scatter_mm", 1e3 * e->contact.sd});
     json_object_set_new(parts, "replicates", json_boolean(e->replicates));
     return parts;
 }
 
 static void add_scatter(json_t *list, const char *id, const char *key, double value,
                         const palp_explain_scatter *from, const palp_explanation *e) {
-    json_t *object = json_object();
-    if (!from->found) {
-        json_decref(object);
+    if (!from->found)
         return;
-    }
-    json_object_set_new(object, "id", json_string(id));
-    put(object, key, value);
-    put(object, "evidence", from->evidence);
-    put(object, "gap_before_N", from->without_N);
-    put(object, "gap_after_N", e->gap.after_N);
+    json_t *object = json_pack("{s:s}", "id", id);
+    json_figures(object, {key, value}, {"evidence", from->evidence}, {"gap_before_N", from->without_N},
+                 {"gap_after_N", e->gap.after_N});
     json_array_append_new(list, object);
 }
 
@@ -89,16 +74,14 @@ static json_t *scatter_json(const palp_explanation *e) {
 static void add_law(json_t *root, const palp_explanation *e) {
     if (!e->law.found)
         return;
-    json_t *law = json_object();
-    json_object_set_new(law, "given", json_string(palp_law_kind_name(e->base.material.law.kind)));
-    json_object_set_new(law, "given_coefficients", json_integer((json_int_t)e->base.material.law.n));
-    json_object_set_new(law, "better", json_string(palp_law_kind_name(e->model.material.law.kind)));
-    json_object_set_new(law, "better_coefficients", json_integer((json_int_t)e->model.material.law.n));
-    json_object_set_new(law, "given_quasi_linear", json_boolean(e->base.material.quasi_linear));
-    json_object_set_new(law, "better_quasi_linear", json_boolean(e->model.material.quasi_linear));
-    put(law, "evidence", e->law.evidence);
-    put(law, "gap_before_N", e->law.without_N);
-    put(law, "gap_after_N", e->gap.after_N);
+    const palp_material *given = &e->base.material, *better = &e->model.material;
+    json_t *law = json_pack("{s:s, s:I, s:s, s:I, s:b, s:b}", "given", palp_law_kind_name(given->law.kind),
+                            "given_coefficients", (json_int_t)given->law.n, "better",
+                            palp_law_kind_name(better->law.kind), "better_coefficients",
+                            (json_int_t)better->law.n, "given_quasi_linear", (int)given->quasi_linear,
+                            "better_quasi_linear", (int)better->quasi_linear);
+    json_figures(law, {"evidence", e->law.evidence}, {"gap_before_N", e->law.without_N},
+                 {"gap_after_N", e->gap.after_N});
     json_object_set_new(root, "law", law);
 }
 
@@ -108,10 +91,9 @@ static json_t *phase_shares_json(const palp_explanation *e) {
         json_t *object = json_object();
         json_object_set_new(object, "experiment", json_text(e->run[e->phase_share[i].run].name));
         json_object_set_new(object, "phase", json_string(palp_phase_name(e->phase_share[i].phase)));
-        put(object, "share", e->phase_share[i].share);
-        put(object, "remaining", e->phase_share[i].remaining);
-        put(object, "residual_lag1", e->phase_share[i].lag1);
-        put(object, "residual_runs_z", e->phase_share[i].runs_z);
+        json_figures(object, {"share", e->phase_share[i].share}, {"remaining", e->phase_share[i].remaining},
+                     {"residual_lag1", e->phase_share[i].lag1},
+                     {"residual_runs_z", e->phase_share[i].runs_z});
         json_array_append_new(list, object);
     }
     return list;
@@ -123,9 +105,8 @@ static json_t *events_json(const palp_explanation *e) {
         json_t *object = json_object();
         json_object_set_new(object, "experiment", json_text(e->run[e->event[i].run].name));
         json_object_set_new(object, "kind", json_string(e->event[i].kind));
-        put(object, "from_s", e->event[i].from_s);
-        put(object, "to_s", e->event[i].to_s);
-        put(object, "size_N", e->event[i].size_N);
+        json_figures(object, {"from_s", e->event[i].from_s}, {"to_s", e->event[i].to_s},
+                     {"size_N", e->event[i].size_N});
         json_array_append_new(list, object);
     }
     return list;
@@ -133,18 +114,16 @@ static json_t *events_json(const palp_explanation *e) {
 
 static json_t *peak_json(const palp_explain_peak *peak, const char *key, double unit) {
     json_t *object = json_object();
-    put(object, key, peak->at / unit);
-    put(object, "amplitude_N", peak->amplitude_N);
-    put(object, "prominence", peak->prominence);
+    json_figures(object, {key, peak->at / unit}, {"amplitude_N", peak->amplitude_N},
+                 {"prominence", peak->prominence});
     return object;
 }
 
 /* The strongest lines of the residual, and what free curves could still take off it. */
 static json_t *diagnostics_json(const palp_explanation *e) {
     json_t *diagnostics = json_object(), *curves = json_object();
-    put(curves, "depth_N", e->diagnostics.by_depth_N);
-    put(curves, "time_N", e->diagnostics.by_time_N);
-    put(curves, "rate_N", e->diagnostics.by_rate_N);
+    json_figures(curves, {"depth_N", e->diagnostics.by_depth_N}, {"time_N", e->diagnostics.by_time_N},
+                 {"rate_N", e->diagnostics.by_rate_N});
     json_object_set_new(diagnostics, "line_in_time", peak_json(&e->diagnostics.in_time, "frequency_Hz", 1));
     json_object_set_new(diagnostics, "line_in_depth", peak_json(&e->diagnostics.in_depth, "period_mm", 1e-3));
     json_object_set_new(diagnostics, "free_curves", curves);
@@ -155,8 +134,7 @@ static json_t *candidate_json(const palp_explain_candidate *s) {
     json_t *object = json_object();
     json_object_set_new(object, "id", json_string(id_of(s->id)));
     json_object_set_new(object, "reason", json_string(s->reason));
-    put(object, "score", s->score);
-    put(object, "explained_N", s->explained_N);
+    json_figures(object, {"score", s->score}, {"explained_N", s->explained_N});
     return object;
 }
 
@@ -164,7 +142,7 @@ static json_t *blind_json(const palp_explain_candidate *s) {
     json_t *object = json_object();
     json_object_set_new(object, "id", json_string(id_of(s->id)));
     json_object_set_new(object, "reason", json_string(s->reason));
-    put(object, "share", s->share);
+    json_figures(object, {"share", s->share});
     return object;
 }
 
@@ -190,8 +168,7 @@ static json_t *steps_json(const palp_explanation *e) {
         for (size_t k = 0; k < step->n_candidates; k++) {
             const palp_explain_candidate *s = &step->candidate[k];
             if (s->accepted) {
-                put(object, "score", s->score);
-                put(object, "explained_N", s->explained_N);
+                json_figures(object, {"score", s->score}, {"explained_N", s->explained_N});
                 continue;
             }
             json_array_append_new(rejected, candidate_json(s));
@@ -205,13 +182,13 @@ static json_t *steps_json(const palp_explanation *e) {
 static json_t *run_json(const palp_explain_next *next) {
     json_t *run = json_object();
     json_object_set_new(run, "kind", json_string(next->kind));
-    put(run, "depth_mm", next->depth_mm);
+    json_figures(run, {"depth_mm", next->depth_mm});
     if (next->rate_mm_s > 0)
-        put(run, "rate_mm_s", next->rate_mm_s);
+        json_figures(run, {"rate_mm_s", next->rate_mm_s});
     if (next->ramp_s > 0)
-        put(run, "ramp_s", next->ramp_s);
+        json_figures(run, {"ramp_s", next->ramp_s});
     if (next->hold_s > 0)
-        put(run, "hold_s", next->hold_s);
+        json_figures(run, {"hold_s", next->hold_s});
     if (next->cycles > 0)
         json_object_set_new(run, "cycles", json_integer((json_int_t)next->cycles));
     return run;
@@ -226,7 +203,7 @@ static json_t *next_json(const palp_explanation *e) {
         json_array_append_new(between, json_string(id_of(next->between[i])));
     json_object_set_new(object, "run", next->kind ? run_json(next) : json_null());
     json_object_set_new(object, "between", between);
-    put(object, "separation_N", next->separation_N);
+    json_figures(object, {"separation_N", next->separation_N});
     if (next->note)
         json_object_set_new(object, "note", json_string(next->note));
     return object;
@@ -257,7 +234,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "noise_level", noise_level_json(e));
     json_object_set_new(root, "scatter", scatter_json(e));
     add_law(root, e);
-    put(root, "null_threshold", e->null_threshold);
+    json_figures(root, {"null_threshold", e->null_threshold});
     json_object_set_new(root, "phase_shares", phase_shares_json(e));
     json_object_set_new(root, "profile", explain_profile(e));
     json_object_set_new(root, "spectrum", explain_spectrum(e));

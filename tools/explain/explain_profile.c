@@ -26,8 +26,7 @@ static double rms(double square, size_t n) {
 }
 
 static void put_gap(json_t *object, const bin *b) {
-    json_object_set_new(object, "before_N", json_number_or_null(rms(b->before, b->n)));
-    json_object_set_new(object, "after_N", json_number_or_null(rms(b->after, b->n)));
+    json_figures(object, {"before_N", rms(b->before, b->n)}, {"after_N", rms(b->after, b->n)});
 }
 
 /* Spikes and releases are events, not gaps: they and as many samples on either side do not count. */

@@ -66,6 +66,11 @@ json_t *json_number_or_null(double value) {
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+void json_set_figures(json_t *to, size_t n, const json_figure *figure) {
+    for (size_t i = 0; i < n; i++)
+        json_object_set_new(to, figure[i].key, json_number_or_null(figure[i].value));
+}
+
 json_t *json_numbers(size_t n, const double *value) {
     json_t *list = json_array();
     for (size_t i = 0; list && i < n; i++)

@@ -28,4 +28,15 @@ const char *json_text_at(const json_t *object, const char *key);
 /* A number, or null where it is not finite. */
 json_t *json_number_or_null(double value);
 
+typedef struct json_figure {
+    const char *key;
+    double value;
+} json_figure;
+
+/* Sets such numbers of an object: json_figures(to, {"low_N", low}, {"high_N", high}). */
+#define json_figures(to, ...)                                                                                \
+    json_set_figures(to, sizeof((json_figure[]){__VA_ARGS__}) / sizeof(json_figure),                         \
+                     (const json_figure[]){__VA_ARGS__})
+void json_set_figures(json_t *to, size_t n, const json_figure *figure);
+
 #endif

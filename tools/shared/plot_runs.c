@@ -22,29 +22,16 @@ bool run_before(const palp_recording *a, const palp_recording *b) {
 json_t *run_json(const palp_recording *r) {
     static const char *const kinds[] = {"ramp", "ramp_hold", "other", "creep"};
     static const char *const rules[] = {"given", "free air", "nominal"};
-    const struct {
-        const char *key;
-        double value;
-    } number[] = {{"duration_s", r->time_s[r->n - 1] - r->time_s[0]},
-                  {"rate_Hz", run_rate_Hz(r)},
-                  {"height_mm", 1e3 * r->height_m},
-                  {"deepest_mm", 1e3 * r->deepest_m},
-                  {"ramp_s", r->ramp_end_s - r->ramp_start_s},
-                  {"contact_mm", 1e3 * r->contact_m},
-                  {"contact_sd_mm", 1e3 * r->contact_sd_m},
-                  {"zero_N", r->zero_N},
-                  {"zero_sd_N", r->zero_sd_N},
-                  {"noise_N", r->noise_N},
-                  {"correlation", r->correlation},
-                  {"hum_Hz", r->hum_Hz},
-                  {"hum_N", r->hum_N},
-                  {"longest_gap_s", r->longest_gap_s}};
     json_t *to = json_object();
     json_object_set_new(to, "file", json_text(r->name));
     json_object_set_new(to, "kind", json_string(kinds[r->kind]));
     json_object_set_new(to, "contact_rule", json_string(rules[r->contact_rule]));
-    for (size_t i = 0; i < sizeof number / sizeof number[0]; i++)
-        json_object_set_new(to, number[i].key, json_number_or_null(number[i].value));
+    json_figures(to, {"duration_s", r->time_s[r->n - 1] - r->time_s[0]}, {"rate_Hz", run_rate_Hz(r)},
+                 {"height_mm", 1e3 * r->height_m}, {"deepest_mm", 1e3 * r->deepest_m},
+                 {"ramp_s", r->ramp_end_s - r->ramp_start_s}, {"contact_mm", 1e3 * r->contact_m},
+                 {"contact_sd_mm", 1e3 * r->contact_sd_m}, {"zero_N", r->zero_N}, {"zero_sd_N", r->zero_sd_N},
+                 {"noise_N", r->noise_N}, {"correlation", r->correlation}, {"hum_Hz", r->hum_Hz},
+                 {"hum_N", r->hum_N}, {"longest_gap_s", r->longest_gap_s});
     json_object_set_new(to, "samples", json_integer((json_int_t)r->n));
     json_object_set_new(to, "missing", json_integer((json_int_t)r->n_missing));
     json_object_set_new(to, "spikes", json_integer((json_int_t)r->n_spikes));
