@@ -258,6 +258,9 @@ START_TEST(null_in_segments) {
     REFUSED(palp_segments_creep(2, numbers, NULL, numbers, (void *)storage));
     REFUSED(palp_segments_creep(2, numbers, numbers, NULL, (void *)storage));
     REFUSED(palp_segments_creep(2, numbers, numbers, numbers, NULL));
+    REFUSED(palp_segments_smooth_path(2, NULL, numbers, numbers));
+    REFUSED(palp_segments_smooth_path(2, numbers, NULL, numbers));
+    REFUSED(palp_segments_smooth_path(2, numbers, numbers, NULL));
     REFUSED(palp_segments_pieces(2, NULL, numbers, (void *)storage));
     REFUSED(palp_segments_pieces(2, numbers, NULL, (void *)storage));
     REFUSED(palp_segments_pieces(2, numbers, numbers, NULL));
