@@ -158,10 +158,10 @@ static size_t simplify(char *text) {
                  {"\xEF\xBC\x9A", ':', ':'}};
     char *to = text;
     for (const char *at = text; *at;) {
-        size_t k = 0, n_signs = sizeof signs / sizeof signs[0];
+        size_t n_signs = sizeof signs / sizeof signs[0], k = *at & 0x80 ? 0 : n_signs;
         while (k < n_signs && strncmp(at, signs[k].is, strlen(signs[k].is)) != 0)
             k++;
-        if ((*at & 0x80) == 0 || k == n_signs) {
+        if (k == n_signs) {
             *to++ = *at++;
             continue;
         }

@@ -107,13 +107,15 @@ const import_unit *import_unit_find(const char *name) {
     size_t n = strlen(plain);
     while (n > 0 && (plain[n - 1] == ' ' || plain[n - 1] == '.'))
         plain[--n] = '\0';
-    for (size_t i = 0; i < N_UNITS; i++)
+    const import_unit *other = NULL;
+    for (size_t i = 0; i < N_UNITS; i++) {
+        if (!same_letters(units[i].name, plain))
+            continue;
         if (strcmp(units[i].name, plain) == 0)
             return &units[i];
-    for (size_t i = 0; n > 1 && i < N_UNITS; i++)
-        if (same_letters(units[i].name, plain))
-            return &units[i];
-    return NULL;
+        other = other || n == 1 ? other : &units[i];
+    }
+    return other;
 }
 
 bool import_unit_any(const char *name) {
