@@ -76,10 +76,12 @@ static palp_status read_stream_to_end(FILE *stream, char **text, size_t *size) {
         buffer = larger;
         capacity *= 2;
     }
-    if (!buffer)
+    *text = buffer ? realloc(buffer, n + 1) : NULL; /* no room behind it, where no reader may look */
+    if (!*text) {
+        free(buffer);
         return PALP_ERR_NO_MEMORY;
-    buffer[n] = '\0';
-    *text = buffer;
+    }
+    (*text)[n] = '\0';
     *size = n;
     return PALP_OK;
 }

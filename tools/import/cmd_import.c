@@ -212,16 +212,10 @@ typedef struct names {
 } names;
 
 static bool add_name(names *list, const char *folder, const char *file) {
-    if (list->n == list->capacity) {
-        size_t capacity = list->capacity ? 2 * list->capacity : 64;
-        char **larger = realloc(list->name, capacity * sizeof *larger);
-        if (!larger)
-            return false;
-        list->name = larger;
-        list->capacity = capacity;
-    }
+    char **larger = import_grow(list->name, list->n, &list->capacity, sizeof *larger);
     size_t room = strlen(folder) + strlen(file) + 2;
-    char *name = malloc(room);
+    char *name = larger ? malloc(room) : NULL;
+    list->name = larger ? larger : list->name;
     if (!name)
         return false;
     snprintf(name, room, "%s%s%s", folder, *folder ? "/" : "", file);

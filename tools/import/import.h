@@ -50,9 +50,7 @@ bool import_left_out(const import_options *o, const char *file);
 
 int import_text_read(const char *file, import_text *text); /* an exit code */
 void import_text_free(import_text *text);
-char *import_line(import_text *text); /* the next; NULL at the end of the file */
-char *import_read_stream(FILE *stream,
-                         size_t *size); /* all of it with a NUL after it; NULL = out of memory */
+char *import_line(import_text *text);                   /* the next; NULL at the end of the file */
 int import_sheet_read(import_text *text, size_t *size); /* a spreadsheet becomes its text; all else stays */
 
 /* ---- how rows are written ---- */
@@ -148,6 +146,7 @@ typedef struct import_source {
     size_t group, groups; /* of specimens side by side: which, from 1, and of how many; 0 = not so */
     bool rated;           /* the time is by the rate of sampling */
     size_t used[ROLES];   /* which column it is, or IMPORT_NONE */
+    int role[QUANTITIES]; /* what the time, depth and force come from */
     const import_unit *unit[ROLES];
     bool listed[ROLES];   /* by --map */
     bool seconds_assumed; /* the time's column does not say its unit */
@@ -186,6 +185,9 @@ typedef struct import_sources {
 int import_read(const import_options *o, const char *file, import_sources *all);
 import_source *import_append(import_sources *all, const import_text *text,
                              import_format format); /* NULL = out of memory */
+
+/* The list with room for one more than n; NULL = out of memory, and it is as it was. */
+void *import_grow(void *list, size_t n, size_t *capacity, size_t size);
 void import_free_source(import_source *s);
 void import_free(import_sources *all);
 int import_mach1_read(import_text *text,

@@ -72,33 +72,24 @@ static int find_named(import_source *s, int role, const char *wanted) {
 
 /* ---- which column is what ---- */
 
-static bool changes(const import_source *s, size_t j) {
-    double first = NAN;
+typedef struct column_look {
+    bool any, changes, falls; /* numbers, from the first, anywhere */
+} column_look;
+
+static column_look look_at(const import_source *s, size_t j) {
+    column_look look = {false, false, false};
+    double first = NAN, before = NAN;
     for (size_t i = 0; i < s->rows; i++) {
         double x = at(s, i, j);
-        first = isfinite(first) ? first : x;
-        if (isfinite(x) && x != first)
-            return true;
+        if (!isfinite(x))
+            continue;
+        first = look.any ? first : x;
+        look.any = true;
+        look.changes = look.changes || x != first;
+        look.falls = look.falls || x < before;
+        before = x;
     }
-    return false;
-}
-
-static bool has_numbers(const import_source *s, size_t j) {
-    for (size_t i = 0; i < s->rows; i++)
-        if (isfinite(at(s, i, j)))
-            return true;
-    return false;
-}
-
-static bool falls(const import_source *s, size_t j) {
-    double before = -HUGE_VAL;
-    for (size_t i = 0; i < s->rows; i++) {
-        double x = at(s, i, j);
-        if (isfinite(x) && x < before)
-            return true;
-        before = isfinite(x) ? x : before;
-    }
-    return false;
+    return look;
 }
 
 static const import_unit *unit_of(const import_source *s, size_t j) {
@@ -132,10 +123,11 @@ static int rank_of(const import_source *s, size_t j, int role) {
     const import_unit *unit = unit_of(s, j);
     int rank = *s->column[j] || s->clock[j] ? import_name_rank(s->column[j], unit, role) : 0;
     bool bent = role == DEPTH && s->spring_N_m > 0 && import_name_rank(s->column[j], unit, DEFLECTION) > 0;
-    if (rank == 0 || bent || (role != TIME && s->clock[j]) || !has_numbers(s, j))
+    const column_look look = rank == 0 ? (column_look){false, false, false} : look_at(s, j);
+    if (!look.any || bent || (role != TIME && s->clock[j]))
         return 0;
     rank = 4 * rank + (unit && import_unit_fits(unit, role) ? 1 : 0);
-    bool odd = role == TIME ? falls(s, j) : !changes(s, j);
+    bool odd = role == TIME ? look.falls : !look.changes;
     return odd ? 1 : rank;
 }
 
@@ -256,10 +248,10 @@ static int settle(const import_options *o, import_source *s, bool quiet) {
     bool bent = s->used[FORCE] == IMPORT_NONE && s->used[DEFLECTION] != IMPORT_NONE && s->spring_N_m > 0;
     if (bent && s->used[DEPTH] == s->used[DEFLECTION])
         return quiet ? CLI_FAILURE : not_there(s, DEPTH);
-    int use[QUANTITIES] = {TIME, instead(o, s, DEPTH, STRAIN) ? STRAIN : DEPTH,
-                           bent                           ? DEFLECTION
-                           : instead(o, s, FORCE, STRESS) ? STRESS
-                                                          : FORCE};
+    int *use = s->role;
+    use[TIME] = TIME;
+    use[DEPTH] = instead(o, s, DEPTH, STRAIN) ? STRAIN : DEPTH;
+    use[FORCE] = bent ? DEFLECTION : instead(o, s, FORCE, STRESS) ? STRESS : FORCE;
     for (int q = 0; code == CLI_OK && q < QUANTITIES; q++) {
         if (s->used[use[q]] == IMPORT_NONE)
             return quiet ? CLI_FAILURE : not_there(s, q);

@@ -20,6 +20,21 @@ static double average(const double *x, size_t n) {
     return sum / (double)n;
 }
 
+static double highest(const double *x, size_t n) {
+    double high = x[0];
+    for (size_t i = 1; i < n; i++)
+        high = fmax(high, x[i]);
+    return high;
+}
+
+/* How far the plate went. */
+static double way_mm(const import_source *s) {
+    double low = s->depth_mm[0];
+    for (size_t i = 1; i < s->rows; i++)
+        low = fmin(low, s->depth_mm[i]);
+    return highest(s->depth_mm, s->rows) - low;
+}
+
 static int look(const import_source *s, palp_press *press) {
     if (palp_press_create(s->rows, s->time_s, s->depth_mm, s->force_N, press))
         return cli_failure(NAME, "%s: out of memory", s->file);
@@ -85,18 +100,13 @@ static void use_air(const palp_air *air, import_source *s) {
 
 /* An approach that gave up before the force it looks for has touched nothing. */
 static bool touched(const import_source *s) {
-    double wanted_N = 9.80665e-3 * import_setting_number(s, "Contact Criteria, gf"),
-           largest_N = s->force_N[0];
-    for (size_t i = 0; i < s->rows; i++)
-        largest_N = fmax(largest_N, s->force_N[i]);
-    return largest_N >= wanted_N;
+    double wanted_N = 9.80665e-3 * import_setting_number(s, "Contact Criteria, gf");
+    return highest(s->force_N, s->rows) >= wanted_N;
 }
 
 static void not_reached(import_source *s, const palp_air *air) {
     s->contact_rule = "not_reached";
-    s->contact_mm = s->depth_mm[0];
-    for (size_t i = 0; i < s->rows; i++)
-        s->contact_mm = fmax(s->contact_mm, s->depth_mm[i]);
+    s->contact_mm = highest(s->depth_mm, s->rows);
     s->zero_N = palp_air_force(air, s->time_s[s->rows - 1]);
 }
 
@@ -118,12 +128,7 @@ static void use_recorded(const palp_press *press, import_source *s) {
 /* The approach that ended where s starts, with the same signs. */
 static const import_source *approach_before(const import_sources *all, const import_source *s) {
     const import_source *best = NULL;
-    double low_mm = HUGE_VAL, high_mm = -HUGE_VAL;
-    for (size_t i = 0; i < s->rows; i++) {
-        low_mm = fmin(low_mm, s->depth_mm[i]);
-        high_mm = fmax(high_mm, s->depth_mm[i]);
-    }
-    double nearest = same_place * (high_mm - low_mm);
+    double nearest = same_place * way_mm(s);
     for (size_t i = 0; i < all->n; i++) {
         const import_source *a = all->source[i];
         if (!a->skip && a->contact_rule && strcmp(a->contact_rule, "find_contact") == 0 &&
@@ -167,20 +172,10 @@ int import_contact_rule(const import_options *o, import_source *s) {
 
 /* The same press once more: it starts in the same place and goes as far in the same time. */
 static bool same_press(const import_source *a, const import_source *b) {
-    double way_mm[2], long_s[2];
-    const import_source *s[2] = {a, b};
-    for (int k = 0; k < 2; k++) {
-        double low_mm = HUGE_VAL, high_mm = -HUGE_VAL;
-        for (size_t i = 0; i < s[k]->rows; i++) {
-            low_mm = fmin(low_mm, s[k]->depth_mm[i]);
-            high_mm = fmax(high_mm, s[k]->depth_mm[i]);
-        }
-        way_mm[k] = high_mm - low_mm;
-        long_s[k] = s[k]->time_s[s[k]->rows - 1] - s[k]->time_s[0];
-    }
-    double within = same_place * fmax(way_mm[0], way_mm[1]);
-    return fabs(a->first_mm - b->first_mm) <= within && fabs(way_mm[0] - way_mm[1]) <= within &&
-           fabs(long_s[0] - long_s[1]) <= same_place * fmax(long_s[0], long_s[1]);
+    double way_a = way_mm(a), way_b = way_mm(b), within = same_place * fmax(way_a, way_b);
+    double long_a = a->time_s[a->rows - 1] - a->time_s[0], long_b = b->time_s[b->rows - 1] - b->time_s[0];
+    return fabs(a->first_mm - b->first_mm) <= within && fabs(way_a - way_b) <= within &&
+           fabs(long_a - long_b) <= same_place * fmax(long_a, long_b);
 }
 
 void import_contact_agree(import_sources *all) {

@@ -17,11 +17,7 @@ static double *cell(const import_source *s, size_t i, size_t column) {
 }
 
 static size_t used_for(const import_source *s, int quantity) {
-    if (quantity == DEPTH && s->used[STRAIN] != IMPORT_NONE)
-        return s->used[STRAIN];
-    if (quantity == FORCE && s->used[FORCE] == IMPORT_NONE)
-        return s->used[STRESS] != IMPORT_NONE ? s->used[STRESS] : s->used[DEFLECTION];
-    return s->used[quantity];
+    return s->used[s->role[quantity]];
 }
 
 /* ---- tables that go on ---- */
@@ -174,25 +170,26 @@ static int sift(const import_options *o, import_source *s) {
 /* ---- the recording ---- */
 
 bool import_is_stretch(const import_source *s) {
-    return s->used[STRAIN] != IMPORT_NONE && (strcmp(s->unit[STRAIN]->name, "stretch") == 0 ||
-                                              strstr(s->column[s->used[STRAIN]], "tretch") != NULL);
+    return s->role[DEPTH] == STRAIN && (strcmp(s->unit[STRAIN]->name, "stretch") == 0 ||
+                                        strstr(s->column[s->used[STRAIN]], "tretch") != NULL);
 }
 
 /* To s, mm and N of what the used column has. */
 static double factor_of(const import_source *s, int q, double *offset) {
     double area_m2 = 3.14159265358979323846 * s->radius_mm * s->radius_mm * 1e-6;
+    const import_unit *unit = s->unit[s->role[q]];
     *offset = 0;
-    if (q == DEPTH && s->used[STRAIN] != IMPORT_NONE) {
-        *offset = import_is_stretch(s) ? 1 / s->unit[STRAIN]->factor : 0; /* of no strain */
-        return s->unit[STRAIN]->factor * s->height_mm;
-    }
-    if (q == FORCE && s->used[FORCE] == IMPORT_NONE && s->used[STRESS] != IMPORT_NONE)
-        return s->unit[STRESS]->factor * area_m2;
-    if (q == FORCE && s->used[FORCE] == IMPORT_NONE) {
-        const import_unit *unit = s->unit[DEFLECTION];
+    switch (s->role[q]) {
+    case STRAIN:
+        *offset = import_is_stretch(s) ? 1 / unit->factor : 0; /* of no strain */
+        return unit->factor * s->height_mm;
+    case STRESS:
+        return unit->factor * area_m2;
+    case DEFLECTION:
         return unit->factor * (unit->dimension == UNIT_VOLT ? s->slope_mm_V : 1) * 1e-3 * s->spring_N_m;
+    default:
+        return unit->factor;
     }
-    return s->unit[q]->factor;
 }
 
 /* x to the 15th digit of a number of this size: what is behind it, calculating has made. */

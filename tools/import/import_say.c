@@ -34,22 +34,13 @@ static void say_column(const import_source *s, int role, bool reversed, char to[
              reversed ? ", reversed" : "");
 }
 
-static int role_of(const import_source *s, int quantity) {
-    static const int instead[QUANTITIES][3] = {
-        {TIME, TIME, TIME}, {STRAIN, DEPTH, DEPTH}, {FORCE, STRESS, DEFLECTION}};
-    int k = 0;
-    while (k < 2 && s->used[instead[quantity][k]] == IMPORT_NONE)
-        k++;
-    return instead[quantity][k];
-}
-
 static void fill(const import_source *s, row *r) {
     snprintf(r->field[0], WIDEST, "%.40s", s->name);
     palp_text_make_plain(r->field[0]); /* before its width is asked for */
     snprintf(r->field[1], WIDEST, "%zu", s->rows);
     say_column(s, TIME, false, r->field[2]);
-    say_column(s, role_of(s, DEPTH), s->depth_sign < 0, r->field[3]);
-    say_column(s, role_of(s, FORCE), s->force_sign < 0, r->field[4]);
+    say_column(s, s->role[DEPTH], s->depth_sign < 0, r->field[3]);
+    say_column(s, s->role[FORCE], s->force_sign < 0, r->field[4]);
     snprintf(r->field[5], WIDEST, "%s at %.5g +- %.2g mm, %.3g N", s->contact_rule, s->contact_mm,
              s->contact_sd_mm, s->zero_N);
     snprintf(r->field[6], WIDEST, "%.59s", *s->phases ? s->phases : s->protocol);

@@ -15,25 +15,6 @@ static const char NAME[] = "import";
 
 enum { HELPERS = 2 };
 
-char *import_read_stream(FILE *stream, size_t *size) {
-    size_t capacity = 1 << 16, n = 0;
-    char *text = malloc(capacity);
-    while (text) {
-        n += fread(text + n, 1, capacity - n - 1, stream);
-        if (n < capacity - 1) {
-            text[n] = '\0';
-            *size = n;
-            char *fitting = realloc(text, n + 1); /* no room behind the text, where a reader must not look */
-            return fitting ? fitting : text;
-        }
-        char *larger = realloc(text, capacity *= 2);
-        if (!larger)
-            free(text);
-        text = larger;
-    }
-    return NULL;
-}
-
 /* What turns a kind of spreadsheet into text; the first that is installed is taken. FILE stands for the
  * file's name. */
 static const struct kind {
@@ -81,16 +62,14 @@ static int start(const char *const words[], const char *file, pid_t *pid, int *f
 /* The helper's output; NULL: it failed or is not there (*missing). */
 static char *run(const char *const words[], const char *file, size_t *size, bool *missing) {
     pid_t pid;
+    char *text = NULL, output[32];
     int from = -1, how = 0, error = start(words, file, &pid, &from);
     *missing = error != 0;
     if (error)
         return NULL;
-    FILE *stream = fdopen(from, "rb");
-    char *text = stream ? import_read_stream(stream, size) : NULL;
-    if (stream)
-        fclose(stream);
-    else
-        close(from);
+    snprintf(output, sizeof output, "/dev/fd/%d", from);
+    palp_file_read(output, &text, size, NULL);
+    close(from);
     while (waitpid(pid, &how, 0) < 0 && errno == EINTR) {
     }
     bool good = WIFEXITED(how) && WEXITSTATUS(how) == 0;

@@ -10,17 +10,19 @@ static const char NAME[] = "import";
 
 /* ---- the list ---- */
 
+void *import_grow(void *list, size_t n, size_t *capacity, size_t size) {
+    if (n < *capacity)
+        return list;
+    size_t more = *capacity ? 2 * *capacity : 64;
+    void *larger = realloc(list, more * size);
+    *capacity = larger ? more : *capacity;
+    return larger;
+}
+
 import_source *import_append(import_sources *all, const import_text *text, import_format format) {
-    if (all->n == all->capacity) {
-        size_t capacity = all->capacity ? 2 * all->capacity : 16;
-        import_source **larger = realloc(all->source, capacity * sizeof(import_source *));
-        if (!larger)
-            return NULL;
-        all->source = larger;
-        all->capacity = capacity;
-    }
-    import_source *s = calloc(1, sizeof *s);
-    if (!s)
+    import_source **list = import_grow(all->source, all->n, &all->capacity, sizeof *list), *s;
+    all->source = list ? list : all->source;
+    if (!list || !(s = calloc(1, sizeof *s)))
         return NULL;
     all->source[all->n++] = s;
     s->file = text->file;

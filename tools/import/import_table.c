@@ -43,14 +43,10 @@ static bool header_between(const table_scanner *c, size_t from, size_t to) {
 }
 
 static table_block *new_block(table_scanner *c, size_t above, size_t first, size_t width) {
-    if (c->n == c->capacity) {
-        size_t capacity = c->capacity ? 2 * c->capacity : 16;
-        table_block *larger = realloc(c->blocks, capacity * sizeof *larger);
-        if (!larger)
-            return NULL;
-        c->blocks = larger;
-        c->capacity = capacity;
-    }
+    table_block *blocks = import_grow(c->blocks, c->n, &c->capacity, sizeof *blocks);
+    if (!blocks)
+        return NULL;
+    c->blocks = blocks;
     c->blocks[c->n] = (table_block){.above = above, .first = first, .width = width};
     return &c->blocks[c->n++];
 }

@@ -2,7 +2,6 @@
 #include "import.h"
 #include "shared/crc32.h"
 
-#include <errno.h>
 #include <iconv.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,21 +29,11 @@ static int utf16_order(const unsigned char *text, size_t size) {
 }
 
 static char *put_code(char *to, unsigned long code) {
-    if (code < 0x80) {
-        *to++ = (char)code;
-    } else if (code < 0x800) {
-        *to++ = (char)(0xC0 | code >> 6);
-        *to++ = (char)(0x80 | (code & 0x3F));
-    } else if (code < 0x10000) {
-        *to++ = (char)(0xE0 | code >> 12);
-        *to++ = (char)(0x80 | (code >> 6 & 0x3F));
-        *to++ = (char)(0x80 | (code & 0x3F));
-    } else {
-        *to++ = (char)(0xF0 | code >> 18);
-        *to++ = (char)(0x80 | (code >> 12 & 0x3F));
-        *to++ = (char)(0x80 | (code >> 6 & 0x3F));
-        *to++ = (char)(0x80 | (code & 0x3F));
-    }
+    static const unsigned char lead[] = {0, 0xC0, 0xE0, 0xF0};
+    int more = (code >= 0x80) + (code >= 0x800) + (code >= 0x10000); /* bytes after the first */
+    *to++ = (char)(lead[more] | code >> 6 * more);
+    while (more-- > 0)
+        *to++ = (char)(0x80 | (code >> 6 * more & 0x3F));
     return to;
 }
 
@@ -214,18 +203,12 @@ static int decode(import_text *text, size_t size) {
 /* ---- lines ---- */
 
 static int index_lines(import_text *text, char *at) {
-    size_t capacity = 1024;
-    text->lines = malloc(capacity * sizeof *text->lines);
-    while (text->lines && *at) {
-        if (text->n == capacity) {
-            char **larger = realloc(text->lines, (capacity *= 2) * sizeof *larger);
-            if (!larger) {
-                free(text->lines);
-                text->lines = NULL;
-                break;
-            }
-            text->lines = larger;
-        }
+    size_t capacity = 0;
+    while (*at) {
+        char **lines = import_grow(text->lines, text->n, &capacity, sizeof *lines);
+        if (!lines)
+            return cli_failure(NAME, "%s: out of memory", text->file);
+        text->lines = lines;
         size_t n = strcspn(at, "\r\n");
         text->lines[text->n++] = at;
         text->longest = n > text->longest ? n : text->longest;
@@ -238,21 +221,16 @@ static int index_lines(import_text *text, char *at) {
         at += n + (end != '\0');
         at += end == '\r' && *at == '\n';
     }
-    return text->lines ? CLI_OK : cli_failure(NAME, "%s: out of memory", text->file);
+    return CLI_OK;
 }
 
 int import_text_read(const char *file, import_text *text) {
     memset(text, 0, sizeof *text);
     text->file = file;
-    FILE *stream = fopen(file, "rb");
-    if (!stream)
-        return cli_failure(NAME, "%s: %s", file, strerror(errno));
-    text->text = import_read_stream(stream, &text->size);
-    bool bad = ferror(stream) != 0;
-    int number = errno;
-    fclose(stream);
-    if (!text->text || bad)
-        return cli_failure(NAME, "%s: %s", file, bad ? strerror(number) : "out of memory");
+    palp_error error;
+    palp_status status = palp_file_read(file, &text->text, &text->size, &error);
+    if (status)
+        return cli_status(NAME, status, &error);
     text->crc32 = crc32_add(0, text->text, text->size);
     size_t size = text->size;
     int code = import_sheet_read(text, &size);

@@ -55,13 +55,6 @@ static palp_status set_contact(const import_source *s, palp_experiment *run) {
     return status;
 }
 
-/* Which role a quantity came from. */
-static int used_as(const import_source *s, int quantity) {
-    if (quantity == DEPTH)
-        return s->used[STRAIN] != IMPORT_NONE ? STRAIN : DEPTH;
-    return s->used[FORCE] != IMPORT_NONE ? FORCE : s->used[STRESS] != IMPORT_NONE ? STRESS : DEFLECTION;
-}
-
 static palp_status set_source(const import_options *o, const import_source *s, palp_experiment *run) {
     palp_status status = PALP_OK;
     char text[64];
@@ -76,8 +69,8 @@ static palp_status set_source(const import_options *o, const import_source *s, p
     positive(run, "import.rows_doubled", (double)s->doubled, &status);
     if (isfinite(s->start_s))
         number(run, "session.start_s", s->start_s, &status);
-    snprintf(text, sizeof text, "%s, %s, %s", s->unit[TIME]->name, s->unit[used_as(s, DEPTH)]->name,
-             s->unit[used_as(s, FORCE)]->name);
+    snprintf(text, sizeof text, "%s, %s, %s", s->unit[TIME]->name, s->unit[s->role[DEPTH]]->name,
+             s->unit[s->role[FORCE]]->name);
     string(run, "import.units", text, &status);
     number(run, "import.depth_sign", s->depth_sign, &status);
     number(run, "import.force_sign", s->force_sign, &status);
