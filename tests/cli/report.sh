@@ -53,6 +53,12 @@ for name in recordings_linear recordings_log recordings_first recordings_static 
 done
 # Over time: the network's band, named once in the key.
 [ "$(sed -n '/"simulated_linear"/,/"simulated_log"/p' shown | grep -c '"95 % band"')" -eq 1 ] || fail "no band about the network's force"
+# A band whose upper edge is not in the file is none.
+awk -F, -v OFS=, '/^time_s/ { for (i = 1; i <= NF; i++) if ($i == "force_high_N") $i = "other" } { print }' work/simulated.csv >half_a_band.csv
+grep -q force_low_N half_a_band.csv || fail "the simulation has no band"
+expect 0 report runs/hold5.csv half_a_band.csv --out half.html
+in_page half.html
+grep -q '"style": "band"' shown && fail "a band of one edge"
 [ "$(wc -c <all.html)" -lt 2000000 ] || fail "a page of $(wc -c <all.html) bytes: curves are not thinned"
 
 # What cannot be read: named outright it fails, in a folder it is warned of and listed.

@@ -92,5 +92,5 @@ for reader in "$@"; do
         echo "$reader: the input is kept in ${SCRATCH:-.}"
         exit 1
     fi
-    echo "$reader: $(grep '^Done' "$TMPDIR/log")"
+    echo "$reader: $(sed -n 's/ *exec.*//; s/.*DONE *//p; s/^Done//p' "$TMPDIR/log" | tr '\n' ' ')"
 done

@@ -30,28 +30,25 @@ static const report_file *partner(const report *r, const report_file *simulation
     return NULL;
 }
 
-/* A value at the samples of s at time t, linear between them; *at remembers where the last one was. */
-static double value_at(const palp_recording *s, const double *value, double t, size_t *at) {
-    while (*at + 2 < s->n && s->time_s[*at + 1] < t)
-        ++*at;
-    double part = (t - s->time_s[*at]) / (s->time_s[*at + 1] - s->time_s[*at]);
-    return value[*at] + fmin(fmax(part, 0), 1) * (value[*at + 1] - value[*at]);
+/* A value at the samples of s at time t, linear between them. */
+static double value_at(const palp_recording *s, double *value, double t) {
+    const palp_path path = {.n = s->n, .time_s = s->time_s, .depth_m = value};
+    return palp_path_at(&path, t);
 }
 
 /* The band about the simulated force at the recording's samples, where the simulation has one (--band). */
 static void add_band(report_pair *p, double shift) {
-    static const char *const columns[2] = {"force_low_N", "force_high_N"};
+    palp_experiment *simulated = p->simulation->experiment;
     const palp_recording *s = &p->simulation->recording, *r = &p->recording->recording;
-    const double *force = palp_experiment_column(p->simulation->experiment, "force_N");
-    for (size_t end = 0; end < 2; end++) {
-        const double *edge = palp_experiment_column(p->simulation->experiment, columns[end]);
-        size_t from = 0, to = 0;
-        p->band_N = edge && !p->band_N ? malloc(2 * r->n * sizeof *p->band_N) : p->band_N;
-        for (size_t i = 0;
-             edge && p->band_N && palp_experiment_rows(p->simulation->experiment) == s->n && i < r->n; i++) {
+    double *force = palp_experiment_column(simulated, "force_N");
+    double *edge[2] = {palp_experiment_column(simulated, "force_low_N"),
+                       palp_experiment_column(simulated, "force_high_N")};
+    bool whole = edge[0] && edge[1] && palp_experiment_rows(simulated) == s->n;
+    p->band_N = whole ? malloc(2 * r->n * sizeof *p->band_N) : NULL;
+    for (size_t end = 0; p->band_N && end < 2; end++) {
+        for (size_t i = 0; i < r->n; i++) {
             double t = r->time_s[i] + shift;
-            p->band_N[end * r->n + i] =
-                p->force_N[i] + value_at(s, edge, t, &from) - value_at(s, force, t, &to);
+            p->band_N[end * r->n + i] = p->force_N[i] + value_at(s, edge[end], t) - value_at(s, force, t);
         }
     }
 }
@@ -64,14 +61,14 @@ static bool compare(report_pair *p) {
         palp_experiment_get_string(p->simulation->experiment, "protocol.like", &like) == PALP_OK;
     double shift = same_clock ? 0 : s->ramp_start_s - r->ramp_start_s, square = 0, worst = 0;
     double *smooth = run_filter(r, run_cutoff_Hz(r));
-    size_t count = 0, at = 0;
+    size_t count = 0;
     p->force_N = malloc(r->n * sizeof *p->force_N);
     for (size_t i = 0; p->force_N && i < r->n; i++) {
         double t = r->time_s[i] + shift, clean = smooth ? smooth[i] : r->force_N[i];
         p->force_N[i] = NAN;
         if (t < s->time_s[0] - 1e-9 || t > s->time_s[s->n - 1] + 1e-9)
             continue;
-        p->force_N[i] = value_at(s, s->force_N, t, &at);
+        p->force_N[i] = value_at(s, s->force_N, t);
         if (r->use[i]) {
             square += (p->force_N[i] - r->force_N[i]) * (p->force_N[i] - r->force_N[i]);
             worst = fmax(worst, fabs(p->force_N[i] - clean));

@@ -2,6 +2,7 @@
 #include "record.h"
 
 #include <math.h>
+#include <palpate/path.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,18 +50,6 @@ double record_peak(const record *curve) {
 }
 
 double record_at(const record *curve, double t) {
-    size_t low = 0, high = curve->n - 1;
-    if (t <= curve->time_s[0] || curve->n == 1)
-        return curve->force_N[0];
-    if (t >= curve->time_s[high])
-        return curve->force_N[high];
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (curve->time_s[middle] <= t)
-            low = middle;
-        else
-            high = middle;
-    }
-    double part = (t - curve->time_s[low]) / (curve->time_s[high] - curve->time_s[low]);
-    return curve->force_N[low] + part * (curve->force_N[high] - curve->force_N[low]);
+    const palp_path path = {.n = curve->n, .time_s = curve->time_s, .force_N = curve->force_N};
+    return palp_path_at(&path, t);
 }
