@@ -43,9 +43,9 @@ static int look(const import_source *s, palp_press *press) {
 
 /* ---- signs ---- */
 
-static bool listed(const char *list, const char *word) {
-    const char *at = list ? strstr(list, word) : NULL;
-    return at && (at == list || at[-1] == ',') && (!at[strlen(word)] || at[strlen(word)] == ',');
+/* Whether --negate, whose words were checked, names a quantity. */
+static bool negated(const import_options *o, const char *quantity) {
+    return o->negate && strstr(o->negate, quantity);
 }
 
 static void apply_signs(import_source *s) {
@@ -66,8 +66,8 @@ int import_signs(const import_options *o, import_source *s) {
     double rise_N = press.mean_N[peak] - press.mean_N[0], travel_mm = s->depth_mm[peak] - s->depth_mm[0];
     bool clear = fabs(rise_N) > unmistakable * press.noise_N;
     palp_press_free(&press);
-    s->depth_sign = listed(o->negate, "depth") ? -1 : 1;
-    s->force_sign = listed(o->negate, "force") ? -1 : 1;
+    s->depth_sign = negated(o, "depth") ? -1 : 1;
+    s->force_sign = negated(o, "force") ? -1 : 1;
     s->sign_rule = o->negate ? "as asked for" : "as recorded: the force never leaves its noise";
     if (o->negate && clear && s->depth_sign * travel_mm * s->force_sign * rise_N < 0)
         cli_warning(NAME, "%s: with --negate %s the force falls as the depth grows", s->file, o->negate);

@@ -208,11 +208,14 @@ static bool like_number(const char *field, char separator) {
     return import_clock(field, &x, &dated);
 }
 
+static size_t split_copy(const char *line, char separator, char *scratch, char *fields[IMPORT_COLUMNS]) {
+    return import_split(strcpy(scratch, line), separator, fields);
+}
+
 /* Numbers in a row of a line by a separator; 0 = it is no row. */
 static size_t row_numbers(const char *line, char separator, char *scratch, size_t *width) {
     char *fields[IMPORT_COLUMNS];
-    strcpy(scratch, line);
-    size_t n = import_split(scratch, separator, fields), numbers = 0;
+    size_t n = split_copy(line, separator, scratch, fields), numbers = 0;
     for (size_t j = 0; j < n; j++)
         numbers += like_number(fields[j], separator);
     *width = n;
@@ -302,16 +305,14 @@ void import_dialect_find(const import_text *text, int chosen, char *scratch, imp
         size_t width;
         if (row_numbers(text->lines[i], dialect->separator, scratch, &width) == 0)
             continue;
-        strcpy(scratch, text->lines[i]);
-        size_t n = import_split(scratch, dialect->separator, fields);
+        size_t n = split_copy(text->lines[i], dialect->separator, scratch, fields);
         for (size_t j = 0; j < n; j++)
             weigh(fields[j], j, &e);
     }
     decide(&e, dialect);
     for (size_t i = 0; i < text->n && dialect->separator != ' '; i += step) { /* "1 234,5" */
         char *fields[IMPORT_COLUMNS];
-        strcpy(scratch, text->lines[i]);
-        size_t n = import_split(scratch, dialect->separator, fields);
+        size_t n = split_copy(text->lines[i], dialect->separator, scratch, fields);
         for (size_t j = 0; j < n; j++) {
             size_t first = strspn(fields[j], "-0123456789");
             if (first > 0 && first <= 4 && fields[j][first] == ' ' &&

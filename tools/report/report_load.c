@@ -24,18 +24,16 @@ size_t report_count(const report *r, report_kind kind) {
     return count;
 }
 
-static bool checksum(report_file *file) {
-    enum { CHUNK = 65536 };
-    unsigned char *chunk = malloc(CHUNK);
-    FILE *from = chunk ? fopen(file->source, "rb") : NULL;
-    file->crc = 0;
-    for (size_t n; from && (n = fread(chunk, 1, CHUNK, from)) > 0;)
-        file->crc = crc32_add(file->crc, chunk, n);
-    bool good = from && !ferror(from);
-    if (from)
-        fclose(from);
-    free(chunk);
-    return good;
+static int checksum(report_file *file) {
+    char *text;
+    size_t size;
+    palp_error error;
+    palp_status status = palp_file_read(file->source, &text, &size, &error);
+    if (status)
+        return cli_status(NAME, status, &error);
+    file->crc = crc32_add(0, text, size);
+    free(text);
+    return CLI_OK;
 }
 
 /* ---- what a file is ---- */
@@ -152,8 +150,7 @@ static int add_file(report *r, const char *path, bool must_read) {
     strcpy(file->path, path);
     r->n++;
     int code = choose_source(file, &entry);
-    if (code == CLI_OK && !checksum(file))
-        code = cli_failure(NAME, "%s: %s", path, strerror(errno));
+    code = code ? code : checksum(file);
     if (code)
         return code;
     file->size = (long long)entry.st_size;
