@@ -9,6 +9,7 @@ runs=${1:-10000}
 work=$(mktemp -d)
 memory=$(mktemp -d /dev/shm/fuzz.XXXXXX 2>/dev/null) || memory=$(mktemp -d)
 trap 'rm -rf "$work" "$memory"' EXIT
+trap 'exit 1' HUP INT TERM
 san=address,undefined
 build() { ${MAKE:-make} --no-print-directory BUILD="$BUILD" "$@" "$BUILD/palpate" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }; }
 
