@@ -40,7 +40,7 @@ find "$BUILD/obj/tools" -name '*.o' ! -name palpate.o -exec ar qcs "$BUILD/tools
 seeds_of() {
     ls -d tests/fuzz/seeds/"$1"/* 2>/dev/null || true
     case $1 in
-    experiment) ls tests/data/bad/*.csv ;;
+    experiment) ls tests/data/bad/*.csv tests/fuzz/seeds/report/recording.csv ;;
     model) ls tests/data/bad/*.json data/models/*.json data/sedef2008/*.json ;;
     mesh) ls tests/data/mesh/*.msh ;;
     wire)
