@@ -16,13 +16,13 @@ extern "C" {
     X(ERR_INPUT, "malformed input")                                                                          \
     X(ERR_FILE, "a file cannot be read or written")                                                          \
     X(ERR_LIMIT, "more coefficients or arms than the library holds")                                         \
-    X(ERR_UNSUPPORTED, "a combination this build does not support")                                          \
+    X(ERR_UNSUPPORTED, "a combination that this build does not support")                                     \
     X(ERR_NOT_CONVERGED, "the iteration did not converge")                                                   \
     X(ERR_BUCKLED, "no equilibrium found past a loss of stability")                                          \
     X(ERR_SINGULAR, "the tangent is singular: a mechanism or a disconnected node")                           \
     X(ERR_COLLAPSED, "an element has collapsed to zero length")                                              \
     X(ERR_STOPPED, "stopped by the caller")                                                                  \
-    X(ERR_INSIDE, "a tool is inside the tissue and touches nothing of its surface")
+    X(ERR_INSIDE, "a tool is inside the tissue and touches no part of its surface")
 
 typedef enum palp_status {
 #define PALP_STATUS_MEMBER(name, text) PALP_##name,

@@ -42,7 +42,7 @@ palp_status palp_error_set_line(palp_error *error, palp_status status, const cha
 }
 
 palp_status palp_error_null(palp_error *error) {
-    return palp_error_set(error, PALP_ERR_ARGUMENT, "a pointer that the call needs is NULL");
+    return palp_error_set(error, PALP_ERR_ARGUMENT, "a required pointer is NULL");
 }
 
 palp_status palp_error_set_file(palp_error *error, const char *path, const char *what, int number) {

@@ -165,12 +165,12 @@ static palp_status report_unknown_key(const palp_json *at, const char *key, size
     const char *hint = palp_key_hint(key, n, allowed);
     palp_json unknown = {at->file, at, key, 0, NULL};
     if (hint)
-        return palp_json_fail(&unknown, PALP_ERR_INPUT, "is no known key: \"%s\" is expected", hint);
+        return palp_json_fail(&unknown, PALP_ERR_INPUT, "is not a known key: \"%s\" is expected", hint);
     for (size_t i = 0, length = 0; i < n && length < sizeof list; i++) {
         int added = snprintf(list + length, sizeof list - length, "%s%s", i ? ", " : "", allowed[i]);
         length += added > 0 ? (size_t)added : 0;
     }
-    return palp_json_fail(&unknown, PALP_ERR_INPUT, "is no known key: known here are %s", list);
+    return palp_json_fail(&unknown, PALP_ERR_INPUT, "is not a known key, which are %s", list);
 }
 
 static bool is_key_in_list(const char *key, size_t n, const char *const *allowed) {

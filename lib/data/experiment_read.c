@@ -50,7 +50,7 @@ static piece trim_white_space(piece text) {
 /* A last line without line end may have lost digits and is refused. */
 static palp_status report_cut_last_line(const reader *r) {
     return FAIL(
-        r, "the last line does not end, the file was cut short: remove the line, or end it if it is whole");
+        r, "the last line has no line end, as if cut short; remove the line, or end it if it is complete");
 }
 
 /* The line at p without its end. */
@@ -89,14 +89,14 @@ static palp_status read_header_line(reader *r, piece line) {
     char key[PALP_KEY_MAX + 1] = "";
     memcpy(key, name.p, name.n);
     if (json_object_get(r->experiment->header, key))
-        return FAIL(r, "%s is given twice: keep one", key);
+        return FAIL(r, "%s is given twice; keep one", key);
     piece value = trim_white_space((piece){colon + 1, (size_t)(text.p + text.n - colon - 1)});
     palp_status status = set_header_value(r, key, value);
     if (status)
         return status;
     const json_t *version = json_object_get(r->experiment->header, "palpate.experiment");
     if (version && !(json_is_number(version) && json_number_value(version) == 1))
-        return FAIL(r, "palpate.experiment is not 1: this build reads version 1 only");
+        return FAIL(r, "palpate.experiment is not 1, the only version that this build reads");
     return PALP_OK;
 }
 
@@ -119,10 +119,10 @@ static palp_status read_header_lines(reader *r) {
 static palp_status read_column_name(reader *r, piece name) {
     palp_experiment *e = r->experiment;
     if (!palp_experiment_name_valid(name.p, name.n))
-        return FAIL(r, "\"%.*s\" is no name of a column: expected time_s,depth_mm,force_N",
+        return FAIL(r, "\"%.*s\" is not a column name; expected time_s,depth_mm,force_N",
                     printable_piece_length(name), name.p);
     if (palp_experiment_find(e, name.p, name.n) < e->n_columns)
-        return FAIL(r, "column %.*s is given twice: rename one", printable_piece_length(name), name.p);
+        return FAIL(r, "column %.*s is given twice; rename one", printable_piece_length(name), name.p);
     return palp_experiment_append_column(e, name.p, name.n) ? report_out_of_memory(r) : PALP_OK;
 }
 
@@ -132,7 +132,7 @@ static palp_status check_required_columns(const reader *r) {
     for (size_t i = 0; i < e->n_columns; i++) {
         const char *name = e->columns[i].name, *hint = palp_key_hint(name, N_REQUIRED, required);
         if (hint && strcmp(hint, name) != 0 && !palp_experiment_column(e, hint))
-            return FAIL(r, "column \"%s\": \"%s\" is expected, convert the unit", name, hint);
+            return FAIL(r, "column \"%s\": \"%s\" is expected; convert the unit", name, hint);
     }
     for (size_t i = 0; i < N_REQUIRED; i++)
         if (!palp_experiment_column(e, required[i]))
@@ -243,7 +243,7 @@ static palp_status read_experiment_text(reader *r) {
     if (!status)
         status = read_header_lines(r); /* "# end.fault: ..." */
     if (!status && r->p < r->end)
-        status = FAIL(r, "numbers after the end of the run: only \"# key: value\" lines may follow them");
+        status = FAIL(r, "numbers after the end of the run, where only \"# key: value\" lines may stand");
     return status;
 }
 

@@ -258,10 +258,11 @@ static palp_status check_and_examine_samples(palp_recording *r, const palp_exper
     enum { FEWEST = 16 };
     read_specimen_header(r, experiment, settings);
     if (r->n < FEWEST)
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: %zu samples are too few", r->name, r->n);
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: has %zu samples, but at least 16 are needed",
+                              r->name, r->n);
     if (!(r->height_m > 0.0))
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: no specimen.height_mm: give --specimen-height-mm",
-                              r->name);
+        return palp_error_set(error, PALP_ERR_INPUT,
+                              "%s: has no specimen.height_mm; give --specimen-height-mm", r->name);
     palp_status status = copy_recorded_columns(r, experiment, error);
     if (!status)
         status = examine_sample_times(r, step);
@@ -278,7 +279,7 @@ static palp_status check_and_examine_samples(palp_recording *r, const palp_exper
     shift_to_contact_origin(r);
     if (!(r->deepest_m > 0.0) || r->deepest_m >= r->height_m)
         return palp_error_set(error, PALP_ERR_INPUT,
-                              "%s: deepest point %g mm does not fit a specimen of %g mm", r->name,
+                              "%s: the depth of %g mm exceeds the specimen's height of %g mm", r->name,
                               1e3 * r->deepest_m, 1e3 * r->height_m);
     return PALP_OK;
 }

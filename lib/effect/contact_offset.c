@@ -10,7 +10,7 @@ const effect_row effect_contact_offset = {
     .info = {.id = "contact_offset",
              .name = "contact offset",
              .place = PALP_EFFECT_CONTACT,
-             .means = "The surface is not where depth 0 was said to be.",
+             .means = "The recorded depth 0 is not at the surface.",
              .seen_by = "free air before contact",
              .n_parameters = 1,
              .parameter = {{"offset_mm", 1e-3, -1e3, 1e3, 1e-4, .scale = PALP_SCALE_LENGTH,

@@ -18,7 +18,7 @@ const effect_row effect_coulomb_friction = {
     .info = {.id = "coulomb_friction",
              .name = "Coulomb friction",
              .place = PALP_EFFECT_FRAME,
-             .means = "Something rubs: a constant force against the motion, in air too.",
+             .means = "A constant friction force acts against the motion, in air too.",
              .seen_by = "both directions, in air too",
              .n_parameters = 1,
              .parameter = {{"force_N", 1, 0, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},

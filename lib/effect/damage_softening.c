@@ -21,8 +21,8 @@ const effect_row effect_damage_softening = {
     .info = {.id = "damage_softening",
              .name = "damage softening (Mullins)",
              .place = PALP_EFFECT_SPECIMEN,
-             .means = "Once pressed, the specimen is softer on the way back and the next time, up to the "
-                      "depth it has seen.",
+             .means = "Once pressed, the specimen is softer on unloading and reloading, up to the "
+                      "largest depth so far.",
              .seen_by = "unloading, and loading again",
              .n_parameters = 2,
              .parameter = {{"softening", 1, 0, 0.9, 0.2, .strength = true},

@@ -28,7 +28,8 @@ const effect_row effect_drive_ripple = {
     .info = {.id = "drive_ripple",
              .name = "ripple of the drive, periodic in position",
              .place = PALP_EFFECT_FRAME,
-             .means = "The force has a wave that repeats with position, as from a screw or gear, in air too.",
+             .means =
+                 "The force has a ripple that is periodic in position, as from a screw or gear, in air too.",
              .seen_by = "slow motion over several periods, in air too",
              .n_parameters = 3,
              .parameter = {{"amplitude_N", 1, 0, 1e12, 0.02, .scale = PALP_SCALE_FORCE, .strength = true},

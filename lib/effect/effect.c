@@ -45,7 +45,7 @@ palp_status palp_effect_check(const palp_effect *effect, palp_error *error) {
         return palp_error_null(error);
     const effect_row *row = effect_row_of(effect->id);
     if (!row)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "no effect has the number %d", (int)effect->id);
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "there is no effect number %d", (int)effect->id);
     for (size_t k = 0; k < row->info.n_parameters; k++) {
         const palp_effect_parameter *p = &row->info.parameter[k];
         if (!(effect->value[k] >= p->low && effect->value[k] <= p->high))

@@ -19,7 +19,7 @@ const effect_row effect_frame_compliance = {
              .name = "frame compliance",
              .place = PALP_EFFECT_FRAME,
              .means =
-                 "The frame gives way under load: the specimen is pressed less deep than the encoder says.",
+                 "The frame yields under load: the specimen is pressed less deep than the encoder reads.",
              .seen_by = "a rigid block, or specimens of two heights",
              .n_parameters = 1,
              .parameter = {{"compliance_mm_N", 1e-3, 0, 1e12, 1e-5, .scale = PALP_SCALE_COMPLIANCE,

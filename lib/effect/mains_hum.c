@@ -19,7 +19,7 @@ const effect_row effect_mains_hum = {
     .info = {.id = "mains_hum",
              .name = "mains hum",
              .place = PALP_EFFECT_SENSOR,
-             .means = "The mains are heard in the force.",
+             .means = "The force has a component at the mains frequency.",
              .seen_by = "a sample rate well above twice the mains'",
              .n_parameters = 2,
              .parameter = {{"amplitude_N", 1, 0, 1e12, 0.01, .scale = PALP_SCALE_FORCE, .strength = true},

@@ -52,7 +52,7 @@ const effect_row effect_power_law_relaxation = {
     .info = {.id = "power_law_relaxation",
              .name = "power-law relaxation (springpot)",
              .place = PALP_EFFECT_SPECIMEN,
-             .means = "The specimen relaxes over many decades of time, as a power of it.",
+             .means = "The specimen relaxes over many decades as a power of time.",
              .seen_by = "holds and ramps over several decades of time",
              .n_parameters = 2,
              .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE_1_S, .strength = true},

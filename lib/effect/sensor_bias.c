@@ -12,7 +12,7 @@ const effect_row effect_sensor_bias = {
     .info = {.id = "sensor_bias",
              .name = "bias of the sensor",
              .place = PALP_EFFECT_SENSOR,
-             .means = "The force sensor has a zero that is off by the same in all runs.",
+             .means = "The force sensor has the same offset in all runs.",
              .seen_by = "free air",
              .n_parameters = 1,
              .parameter = {{"force_N", 1, -1e12, 1e12, 0.05, .scale = PALP_SCALE_FORCE, .strength = true}},

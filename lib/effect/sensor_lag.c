@@ -33,7 +33,7 @@ const effect_row effect_sensor_lag = {
     .info = {.id = "sensor_lag",
              .name = "lag of the sensor",
              .place = PALP_EFFECT_SENSOR,
-             .means = "The force sensor is late, as behind a low-pass filter of this time.",
+             .means = "The force sensor lags, as a low-pass filter with this time constant.",
              .seen_by = "fast ramps in both directions, and their ends",
              .n_parameters = 1,
              .parameter = {{"time_s", 1, 0, 1e9, 0.01, .scale = PALP_SCALE_TIME, .strength = true}},

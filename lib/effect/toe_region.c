@@ -27,7 +27,7 @@ const effect_row effect_toe_region = {
     .info = {.id = "toe_region",
              .name = "toe region of an uneven surface",
              .place = PALP_EFFECT_CONTACT,
-             .means = "The surface is uneven: the force begins more softly than the law says.",
+             .means = "The surface is uneven: the force begins more softly than by the law.",
              .seen_by = "a slow ramp through contact",
              .n_parameters = 1,
              .parameter = {{"length_mm", 1e-3, 0, 1e3, 2e-4, .scale = PALP_SCALE_LENGTH, .strength = true}},

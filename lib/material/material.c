@@ -15,10 +15,10 @@ static palp_status check_maxwell_arm(const palp_material *material, size_t j, pa
         return palp_error_set(error, PALP_ERR_ARGUMENT, "arm %zu: strain dependence must be above -1", j + 1);
     if (material->quasi_linear && arm->beta != 0.0)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "a quasi-linear material takes no stiffness per strain");
+                              "a quasi-linear material does not support strain-dependent arms");
     if (material->formulation == PALP_SEDEF2008 && (arm->beta != 0.0 || arm->gamma != 0.0))
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "formulation sedef2008 takes no strain-dependent arms");
+                              "formulation sedef2008 does not support strain-dependent arms");
     return PALP_OK;
 }
 
@@ -37,15 +37,16 @@ palp_status palp_material_check(const palp_material *material, palp_error *error
         return palp_error_set(error, PALP_ERR_ARGUMENT, "dashpot_Ns must not be negative");
     status = law_check(&material->law);
     if (status)
-        return palp_error_set(error, status, "the stiffness is no law: %s", palp_status_text(status));
+        return palp_error_set(error, status, "invalid stiffness law: %s", palp_status_text(status));
     double start;
     palp_law_stiffness(&material->law, 0.0, &start, NULL);
     if (!isfinite(start) || (material->quasi_linear && !(start > 0.0)))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the stiffness at zero strain must be positive");
     if (material->formulation == PALP_SEDEF2008 &&
         (material->n_arms > 1 || material->quasi_linear || material->dashpot_Ns > 0.0))
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "formulation sedef2008 takes one arm at most, no dashpot, no quasi_linear");
+        return palp_error_set(
+            error, PALP_ERR_UNSUPPORTED,
+            "formulation sedef2008 supports at most one arm, no dashpot and no quasi_linear");
     return PALP_OK;
 }
 

@@ -167,7 +167,7 @@ static palp_status check_element_nodes(const palp_mesh *mesh, palp_error *error)
         for (int end = 0; end < 2; end++)
             if (pair[end] < 0 || (size_t)pair[end] >= mesh->n_nodes)
                 return palp_error_set(error, PALP_ERR_INPUT,
-                                      "element %zu: there is no node %ld, the mesh has %zu", e,
+                                      "element %zu: there is no node %ld; the mesh has %zu nodes", e,
                                       (long)pair[end], mesh->n_nodes);
         if (!mesh_length_ok(mesh->x_m + 3 * (size_t)pair[0], mesh->x_m + 3 * (size_t)pair[1], size_m))
             return palp_error_set(error, PALP_ERR_INPUT,
@@ -186,8 +186,7 @@ static palp_status check_repeated_elements(const palp_mesh *mesh, palp_error *er
     size_t distinct = mesh_pairs_unique(mesh->n_elements, sorted);
     free(sorted);
     if (distinct < mesh->n_elements)
-        return palp_error_set(error, PALP_ERR_INPUT,
-                              "%zu elements join a pair of nodes that another one joins",
+        return palp_error_set(error, PALP_ERR_INPUT, "%zu elements join the same nodes as another element",
                               mesh->n_elements - distinct);
     return PALP_OK;
 }
@@ -211,7 +210,7 @@ static palp_status check_mesh_is_connected(const palp_mesh *mesh, palp_error *er
     if (parts == 1)
         return PALP_OK;
     return palp_error_set(error, PALP_ERR_INPUT,
-                          "the mesh falls into %zu parts: no elements lead from node 0 to node %zu", parts,
+                          "the mesh has %zu separate parts: no elements connect node 0 to node %zu", parts,
                           other);
 }
 
@@ -227,7 +226,7 @@ static palp_status check_complete_mesh(const palp_mesh *mesh, palp_error *error)
 palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_elements, const int32_t *pairs,
                              palp_mesh **mesh, palp_error *error) {
     if (!mesh || !x_m || !pairs || n_nodes < 2 || n_nodes > INT32_MAX || n_elements < 1)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a mesh has at least two nodes and one element");
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a mesh needs at least two nodes and one element");
     palp_mesh *m = NULL;
     palp_status status = mesh_new(n_nodes, n_elements, &m);
     if (status)

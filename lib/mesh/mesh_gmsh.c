@@ -110,7 +110,7 @@ static palp_status refuse_repeated_cells(const gmsh_file *r) {
     palp_status status = PALP_OK;
     for (size_t c = 1; c < r->cells.n && !status; c++)
         if (memcmp(sorted[c].node, sorted[c - 1].node, sizeof sorted[c].node) == 0)
-            status = gmsh_fail(r, sorted[c].line, "an element with the nodes of the one of line %zu",
+            status = gmsh_fail(r, sorted[c].line, "an element with the same nodes as that of line %zu",
                                sorted[c - 1].line);
     free(sorted);
     return status;
@@ -162,7 +162,7 @@ static palp_status check_mesh_is_connected(const gmsh_file *r, const palp_mesh *
         return PALP_OK;
     const gmsh_node *from = find_node_with_index(r, 0), *to = find_node_with_index(r, other);
     return gmsh_fail(r, to->line,
-                     "the mesh falls into %zu parts: no elements lead from node %lld to node %lld", parts,
+                     "the mesh has %zu separate parts: no elements connect node %lld to node %lld", parts,
                      from->tag, to->tag);
 }
 

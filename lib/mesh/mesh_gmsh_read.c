@@ -17,11 +17,11 @@ static palp_status read_mesh_format(gmsh_file *r) {
     if (status)
         return status;
     if (fabs(version - 4.1) > 1e-9)
-        return gmsh_fail(r, r->line, "MSH version %g is not read: save the mesh as version 4.1 ASCII",
+        return gmsh_fail(r, r->line, "MSH version %g is not supported; save the mesh as version 4.1 ASCII",
                          version);
     status = gmsh_integer(r, "a file type (0 = ASCII)", 0, 1, &binary);
     if (!status && binary)
-        return gmsh_fail(r, r->line, "a binary file is not read: save the mesh as version 4.1 ASCII");
+        return gmsh_fail(r, r->line, "binary files are not supported; save the mesh as version 4.1 ASCII");
     return status;
 }
 
@@ -306,7 +306,7 @@ static palp_status read_element_block(gmsh_file *r, size_t *left) {
     int n = node_count_of_type(type);
     if (n == 0)
         return gmsh_fail(r, r->line,
-                         "elements of type %lld are not read: mesh the volume with 4-node tetrahedra "
+                         "elements of type %lld are not supported; mesh the volume with 4-node tetrahedra "
                          "(type 4) or 8-node hexahedra (type 5)",
                          type);
     if (count > *left)
@@ -332,7 +332,7 @@ static palp_status read_elements_section(gmsh_file *r) {
 /* ---- the file ------------------------------------------------------------------------------------ */
 
 static palp_status refuse_partitions(gmsh_file *r) {
-    return gmsh_fail(r, r->line, "a partitioned mesh is not read: save it in one part");
+    return gmsh_fail(r, r->line, "partitioned meshes are not supported; save it in one part");
 }
 
 typedef struct section {
@@ -366,7 +366,7 @@ static palp_status check_section_order(const gmsh_file *r, int i) {
     if (i != FORMAT && !(r->seen & 1u << FORMAT))
         return gmsh_fail(r, r->line, "$MeshFormat is expected before %s", sections[i].name);
     if (r->seen & 1u << i)
-        return gmsh_fail(r, r->line, "%s stands a second time", sections[i].name);
+        return gmsh_fail(r, r->line, "%s is given a second time", sections[i].name);
     if (r->seen & 1u << ELEMENTS)
         return gmsh_fail(r, r->line, "%s is expected before $Elements", sections[i].name);
     if (i == ELEMENTS && !(r->seen & 1u << NODES))

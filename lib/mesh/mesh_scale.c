@@ -243,7 +243,7 @@ static palp_status scale_by_volume(palp_mesh *mesh, double area_m2, palp_error *
         if (!(mesh->scale[i] > 0.0 && isfinite(mesh->scale[i])))
             return palp_error_set(
                 error, PALP_ERR_INPUT,
-                "the element between nodes %ld and %ld has no tetrahedra of any volume around it",
+                "the element between nodes %ld and %ld belongs to no tetrahedron with a volume",
                 (long)mesh->pairs[2 * i], (long)mesh->pairs[2 * i + 1]);
     }
     match_energy_of_solid(mesh, area_m2);
@@ -267,7 +267,7 @@ static palp_status scale_tetrahedra(palp_mesh *mesh, palp_mesh_scaling scaling, 
         gather_volumes(mesh, neighbour, mesh->scale);
     free(neighbour);
     if (status)
-        return palp_error_set(error, status, "the mesh's scaling: %s", palp_status_text(status));
+        return palp_error_set(error, status, "scaling of the mesh: %s", palp_status_text(status));
     status = scale_by_volume(mesh, area_m2, error);
     if (!status && continuum && fit_factors_to_continuum(mesh, area_m2))
         status = palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
@@ -294,7 +294,8 @@ static double mean_cross_section(const palp_mesh *mesh) {
 palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2, palp_error *error) {
     if (!mesh || mesh->scale || (unsigned)scaling > PALP_SCALING_CONTINUUM || !(area_m2 >= 0.0) ||
         !isfinite(area_m2))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a mesh is scaled once, by an area of 0 or more");
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "the mesh is scaled already, or the area is negative");
     if (scaling == PALP_SCALING_NONE)
         return PALP_OK;
     const bool cells = scaling == PALP_SCALING_CONTINUUM && mesh_has_cells(mesh);

@@ -47,7 +47,7 @@ static palp_status read_square_matrix(const palp_json *root, const char *key, co
                                 count, n);
     if (!status && !palp_model_covariance_valid(n, c))
         status = palp_json_fail(&rows, PALP_ERR_INPUT,
-                                "is no covariance: it must be symmetric, with nothing above its diagonal's");
+                                "is not a covariance: it must be symmetric, with no correlation beyond 1");
     if (status)
         free(c);
     else
@@ -73,7 +73,7 @@ palp_status palp_model_fractional_check(const palp_json *root) {
     }
     if (!status && !palp_model_fractional_valid(fractional))
         status = palp_json_fail(&element, PALP_ERR_INPUT,
-                                "wants a stiffness and a time above 0 and an exponent between 0 and 1");
+                                "needs a stiffness and a time above 0, and an exponent between 0 and 1");
     return status;
 }
 

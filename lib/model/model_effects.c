@@ -14,16 +14,15 @@ static palp_status read_effect_id(const palp_json *at, const palp_model *model, 
     if (status)
         return status;
     if (palp_effect_parse(name, &effect->id))
-        return palp_json_fail(&id, PALP_ERR_UNSUPPORTED, "\"%s\" is an effect that this build does not know",
-                              name);
+        return palp_json_fail(&id, PALP_ERR_UNSUPPORTED, "\"%s\" is not an effect of this version", name);
     const palp_effect_info *info = palp_effect_look_up(effect->id);
     bool network = model->kind == PALP_MODEL_NETWORK;
     if (!(network ? info->in_network : info->in_lumped))
-        return palp_json_fail(&id, PALP_ERR_UNSUPPORTED, "\"%s\" is no effect of a %s", name,
+        return palp_json_fail(&id, PALP_ERR_UNSUPPORTED, "\"%s\" is not an effect of a %s", name,
                               network ? "network" : "lumped model");
     for (size_t i = 0; i < model->n_effects && !info->repeats; i++)
         if (model->effects[i].id == effect->id)
-            return palp_json_fail(&id, PALP_ERR_INPUT, "\"%s\" is there twice", name);
+            return palp_json_fail(&id, PALP_ERR_INPUT, "\"%s\" is given twice", name);
     return PALP_OK;
 }
 
@@ -71,7 +70,7 @@ palp_status palp_model_effects_read(const palp_json *root, palp_model *model) {
     palp_status status = palp_json_list(&effects, PALP_EFFECTS_MAX, &n);
     if (!status && n > 0 && model->material.formulation != PALP_HISTORY)
         status = palp_json_fail(&effects, PALP_ERR_UNSUPPORTED,
-                                "do not go with formulation sedef2008; use history");
+                                "are not supported by formulation sedef2008; use history");
     for (size_t i = 0; i < n && !status; i++) {
         palp_effect effect;
         memset(&effect, 0, sizeof effect);
@@ -92,11 +91,11 @@ static palp_status check_one_effect(const palp_model *model, size_t i, palp_erro
     const palp_effect_info *info = palp_effect_look_up(effect->id);
     bool network = model->kind == PALP_MODEL_NETWORK;
     if (!(network ? info->in_network : info->in_lumped))
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "%s is no effect of a %s", info->id,
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "%s is not an effect of a %s", info->id,
                               network ? "network" : "lumped model");
     for (size_t j = 0; j < i && !info->repeats; j++)
         if (model->effects[j].id == effect->id)
-            return palp_error_set(error, PALP_ERR_ARGUMENT, "%s is there twice", info->id);
+            return palp_error_set(error, PALP_ERR_ARGUMENT, "%s is given twice", info->id);
     return PALP_OK;
 }
 
@@ -107,7 +106,7 @@ palp_status palp_model_effects_check(const palp_model *model, palp_error *error)
                               PALP_EFFECTS_MAX);
     if (model->n_effects > 0 && model->material.formulation != PALP_HISTORY)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "formulation sedef2008 takes no effects; use history");
+                              "formulation sedef2008 does not support effects; use history");
     for (size_t i = 0; i < model->n_effects && !status; i++)
         status = check_one_effect(model, i, error);
     return status;

@@ -22,7 +22,7 @@ static palp_status read_model_version(const palp_json *root) {
     palp_json palpate, model;
     if (!json_is_object(root->value) || !palp_json_member(root, "palpate", &palpate))
         return palp_json_fail(root, PALP_ERR_INPUT,
-                              "no model of palpate: it lacks \"palpate\": {\"model\": 1}");
+                              "not a model of palpate: it lacks \"palpate\": {\"model\": 1}");
     palp_status status = palp_json_keys(&palpate, COUNT(keys), keys);
     if (!status)
         status = palp_json_require(&palpate, "model", &model);
@@ -148,8 +148,8 @@ static palp_status read_element_material(const palp_json *root, palp_model *mode
     if (status == PALP_ERR_ARGUMENT)
         status = PALP_ERR_INPUT;
     palp_json_member(root, material->formulation == PALP_HISTORY ? "arms" : "formulation", &value);
-    return palp_json_fail(value.value ? &value : root, status, "%s%s",
-                          value.value ? "make no material: " : "", wrong.text);
+    return palp_json_fail(value.value ? &value : root, status, "%s%s", value.value ? "cannot be used: " : "",
+                          wrong.text);
 }
 
 static palp_status read_lattice_nodes(const palp_json *at, size_t nodes[3]) {
@@ -190,7 +190,7 @@ static palp_status read_mesh_scaling(const palp_json *at, palp_mesh_source *sour
     const char *name = "";
     if (!palp_json_member(at, "scaling", &value))
         return palp_json_member(at, "area_mm2", &value)
-                   ? palp_json_fail(&value, PALP_ERR_INPUT, "goes with \"scaling\"")
+                   ? palp_json_fail(&value, PALP_ERR_INPUT, "needs \"scaling\" too")
                    : PALP_OK;
     palp_status status = palp_json_string(&value, &name);
     int kind = PALP_SCALING_NONE;
@@ -253,7 +253,7 @@ static palp_status read_mesh_file_source(const palp_json *at, palp_mesh_source *
     if (!status)
         status = read_mesh_scaling(at, source);
     if (!status && palp_model_folder(at->file->path, source->folder))
-        status = palp_json_fail(&value, PALP_ERR_LIMIT, "starts from too long a folder");
+        status = palp_json_fail(&value, PALP_ERR_LIMIT, "has too long a path");
     return status;
 }
 
@@ -317,7 +317,7 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
         status = read_model_kind(root, model);
     bool network = model->kind == PALP_MODEL_NETWORK;
     if (!status && !network && palp_json_member(root, "mesh", &mesh))
-        status = palp_json_fail(&mesh, PALP_ERR_INPUT, "belongs to a model of kind \"network\"");
+        status = palp_json_fail(&mesh, PALP_ERR_INPUT, "is only for models of kind \"network\"");
     if (!status)
         status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 4, keys);
     if (!status)

@@ -80,7 +80,7 @@ static palp_status read_stiffness_law(const palp_json *at, palp_model *model) {
         return status;
     if (palp_law_kind_parse(name, &law_kind))
         return palp_json_fail(&kind, PALP_ERR_INPUT,
-                              "\"%s\" is none of polynomial, spline, neo_hookean, mooney_rivlin2, "
+                              "\"%s\" is not one of polynomial, spline, neo_hookean, mooney_rivlin2, "
                               "mooney_rivlin5, yeoh, ogden",
                               name);
     return law_kind == PALP_LAW_SPLINE ? read_spline_law(at, law)
@@ -96,7 +96,7 @@ static palp_status read_law_strain_limit(const palp_json *stiffness, palp_law *l
     palp_status status = palp_json_positive(&value, &strain_max);
     if (!status && (palp_law_limit(law, strain_max) || law->strain_max != strain_max))
         status = palp_json_fail(&value, PALP_ERR_INPUT,
-                                "is %g, where the force no longer rises: beyond it the law could not go on",
+                                "is %g, where the force no longer rises, so that the law cannot be extended",
                                 strain_max);
     return status;
 }
@@ -113,7 +113,7 @@ palp_status palp_model_stiffness_read(const palp_json *root, palp_model *model) 
     double lowest_N = palp_model_lowest(&model->material.law);
     if (!(lowest_N > 0))
         return palp_json_fail(&stiffness, PALP_ERR_INPUT,
-                              "falls to %.6g N between strain 0 and %g: it must stay above 0", lowest_N,
+                              "falls to %.6g N between strain 0 and %g, but must stay above 0", lowest_N,
                               fmax(PALP_MODEL_STRAIN, model->material.law.strain_max));
     return PALP_OK;
 }

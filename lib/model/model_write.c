@@ -15,14 +15,14 @@ static palp_status check_stiffness_law(const palp_model *model, palp_error *erro
     bool hyperelastic = law->kind != PALP_LAW_POLYNOMIAL && law->kind != PALP_LAW_SPLINE;
     if (hyperelastic && !(fabs(area_m2 - law->area_m2) <= 1e-9 * law->area_m2))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
-                              "the hyperelastic law's area is not that of the specimen's radius");
+                              "the area of the hyperelastic law differs from that of the specimen");
     double lowest_N = palp_model_lowest(law);
     if (!(lowest_N > 0))
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "the stiffness falls to %.6g N below strain %g",
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the stiffness falls to %.6g N at a strain below %g",
                               lowest_N, fmax(PALP_MODEL_STRAIN, law->strain_max));
     palp_law limited = *law;
     if (palp_law_limit(&limited, law->strain_max) || limited.strain_max != law->strain_max)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "the force does not rise at strain_max, %g",
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the force does not rise at strain_max = %g",
                               law->strain_max);
     return PALP_OK;
 }
@@ -61,23 +61,24 @@ static bool is_specimen_shape_valid(const palp_model *model) {
 static palp_status check_model_before_write(const palp_model *model, palp_error *error) {
     if (model->kind == PALP_MODEL_NETWORK && model->mesh && model->mesh->kind == PALP_MESH_FILE &&
         !palp_text_is_utf8(model->mesh->path))
-        return palp_error_set(
-            error, PALP_ERR_ARGUMENT,
-            "the path of its mesh is not UTF-8, as text in JSON has to be; rename the mesh");
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "the path of its mesh is not UTF-8, which JSON requires; rename the mesh");
     if (!is_specimen_shape_valid(model))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the model's specimen or mesh is out of range");
     palp_status status = palp_material_check(&model->material, error);
     if (!status)
         status = check_stiffness_law(model, error);
     if (!status && model->fractional && !palp_model_fractional_valid(model->fractional))
-        status = palp_error_set(error, PALP_ERR_ARGUMENT, "the fractional element is none");
+        status = palp_error_set(error, PALP_ERR_ARGUMENT, "the fractional element is out of range");
     if (!status && model->covariance &&
         !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->covariance))
-        status = palp_error_set(error, PALP_ERR_ARGUMENT, "the covariance is none");
+        status = palp_error_set(error, PALP_ERR_ARGUMENT,
+                                "the covariance is not symmetric, or has a correlation beyond 1");
     if (!status && model->between &&
         (model->n_specimens < 2 ||
          !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->between)))
-        status = palp_error_set(error, PALP_ERR_ARGUMENT, "the spread of the specimens is none");
+        status = palp_error_set(error, PALP_ERR_ARGUMENT,
+                                "the covariance between specimens is invalid, or they are fewer than 2");
     return status ? status : palp_model_effects_check(model, error);
 }
 
@@ -393,7 +394,7 @@ palp_status palp_model_write(const palp_model *model, const char *path, palp_err
     status = mesh_path_seen_from_target(model, path, mesh);
     if (status)
         return palp_error_set(error, status,
-                              "%s: not written: the folder of it or of the mesh \"%s\" is not there", path,
+                              "%s: not written: its folder or that of the mesh \"%s\" does not exist", path,
                               model->mesh->path);
     if (!palp_text_is_utf8(mesh))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "%s: not written: the mesh's path is not UTF-8",

@@ -35,7 +35,7 @@ static palp_status create_folder_if_missing(const char *folder, palp_error *erro
     struct stat info;
     if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &info) == 0 && S_ISDIR(info.st_mode)))
         return PALP_OK;
-    return palp_error_set_file(error, folder, "cannot make the folder", errno);
+    return palp_error_set_file(error, folder, "cannot create the folder", errno);
 }
 
 palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **series, palp_error *error) {
@@ -44,7 +44,7 @@ palp_status palp_vtu_open(const char *folder, const char *name, palp_vtu **serie
     *series = NULL;
     if (!is_plain_file_name(name))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
-                              "\"%s\" is no name of a series: use letters and digits", name);
+                              "\"%s\" is not a valid name of a series; use letters and digits", name);
     palp_status status = create_folder_if_missing(folder, error);
     if (status)
         return status;

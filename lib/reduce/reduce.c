@@ -259,7 +259,7 @@ static palp_status check_creation_arguments(const palp_network *net, size_t n_pa
         sound = sound && held_out[i]->n_nodes == net->n_nodes;
     if (!sound)
         return palp_error_set(error, PALP_ERR_ARGUMENT,
-                              "a setting is out of range, or a path is of another network");
+                              "a setting is out of range, or a path belongs to another network");
     bool vectors = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
     if (net->mass || net->damage || network_foundation(net) || network_has_volume(net) || vectors)
         return palp_error_set(

@@ -154,7 +154,7 @@ palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, c
         return palp_error_set(error, status, "%s: not written: the path is too long", path);
     if (!palp_text_is_utf8(file))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
-                              "%s: not written: JSON cannot name the .bin file beside it, as it is not UTF-8",
+                              "%s: not written: the name of its .bin file is not UTF-8, which JSON requires",
                               path);
     status = palp_model_format(model, &network);
     if (status)
@@ -181,7 +181,7 @@ static palp_status read_whole_number(const palp_json *at, const char *key, size_
         return status;
     if (!json_is_integer(member.value) || json_integer_value(member.value) < 0 ||
         json_integer_value(member.value) > INT32_MAX)
-        return palp_json_fail(&member, PALP_ERR_INPUT, "must be a whole number from 0 on");
+        return palp_json_fail(&member, PALP_ERR_INPUT, "must be a whole number, 0 or more");
     *value = (size_t)json_integer_value(member.value);
     return PALP_OK;
 }
@@ -201,7 +201,7 @@ static palp_status read_reduced_version(const palp_json *root) {
     if (!json_is_object(root->value) || !palp_json_member(root, "palpate", &palpate) ||
         !json_is_object(palpate.value) || !palp_json_member(&palpate, "reduced", &version))
         return palp_json_fail(root, PALP_ERR_INPUT,
-                              "no reduced model: it lacks \"palpate\": {\"reduced\": 1}");
+                              "not a reduced model: it lacks \"palpate\": {\"reduced\": 1}");
     if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
         return palp_json_fail(&version, PALP_ERR_INPUT, "is not 1, the version that this build reads");
     return PALP_OK;
@@ -282,15 +282,15 @@ static const char *describe_wrong_bytes(const palp_reduced *r, const char *bytes
     char is[24];
     make_binary_header(r, head);
     if (size < HEAD || memcmp(bytes, MAGIC, sizeof MAGIC) != 0)
-        return "are not the arrays of a reduced model";
+        return "are not those of a reduced model";
     if (memcmp(bytes + 8, head + 8, 8) != 0)
-        return "were written on a machine with another order of bytes";
+        return "have the byte order of another machine";
     if (memcmp(bytes + 16, head + 16, HEAD - 16) != 0)
-        return "have other sizes than the model says";
+        return "have sizes that differ from the model's";
     if (size != want)
-        return "are of another length";
+        return "have the wrong length";
     snprintf(is, sizeof is, "%016llx", (unsigned long long)update_fnv_checksum(CHECKSUM_START, bytes, size));
-    return strcmp(is, sum) != 0 ? "have another checksum: damaged, or of another model" : NULL;
+    return strcmp(is, sum) != 0 ? "have the wrong checksum: damaged, or of another model" : NULL;
 }
 
 static bool are_all_values_finite(const double *x, size_t n) {
@@ -344,7 +344,7 @@ static palp_status fill_arrays_from_bytes(const palp_json *at, palp_reduced *r, 
         if (list[i].bytes > 0)
             memcpy(list[i].data, bytes + from, list[i].bytes);
     if (!are_arrays_valid(r))
-        return palp_json_fail(at, PALP_ERR_INPUT, "holds a number that makes no model");
+        return palp_json_fail(at, PALP_ERR_INPUT, "has a number out of range");
     return reduced_prepare(r);
 }
 
@@ -370,13 +370,13 @@ static palp_status read_binary_arrays(const palp_json *root, palp_reduced *r, pa
     if (status)
         return status;
     if (want == 0 || said != want)
-        return palp_json_fail(&at, PALP_ERR_INPUT, "and the sizes above do not fit");
+        return palp_json_fail(&at, PALP_ERR_INPUT, "does not agree with the sizes above");
     if (palp_model_folder(root->file->path, folder) || palp_model_join(folder, name, path))
-        return palp_json_fail(&file, PALP_ERR_LIMIT, "is too long a path");
+        return palp_json_fail(&file, PALP_ERR_LIMIT, "has too long a path");
     status = palp_file_read(path, &bytes, &size, error);
     const char *wrong = status ? NULL : describe_wrong_bytes(r, bytes, size, want, check);
     if (wrong)
-        status = palp_json_fail(&file, PALP_ERR_INPUT, ": the bytes of %s %s", name, wrong);
+        status = palp_json_fail(&file, PALP_ERR_INPUT, ": the arrays in %s %s", name, wrong);
     if (!status)
         status = fill_arrays_from_bytes(&file, r, bytes);
     free(bytes);

@@ -276,7 +276,8 @@ palp_status palp_forward_force(const palp_model *model, const palp_forward_run *
     forward_plan plan;
     forward_lumped *lumped;
     if (model->kind != PALP_MODEL_LUMPED)
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "a network is run by palp_forward_network");
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "the model is a network; use palp_forward_network");
     palp_status status = forward_plan_make(model, run->session_s, &plan, error);
     if (status)
         return status;

@@ -102,8 +102,8 @@ static palp_status add_spectrum_as_arms(forward_network *f, forward_plan *plan, 
         return PALP_OK;
     if (room < EFFECT_MODES_MIN)
         return palp_error_set(error, PALP_ERR_LIMIT,
-                              "%s: the network's arms leave no room for it (%d in all)", from->row->info.id,
-                              PALP_ARMS_MAX);
+                              "%s: the network already has all arms that are possible (%d)",
+                              from->row->info.id, PALP_ARMS_MAX);
     const effect_range range = {room, 0.1 / whole, 5.0 / shortest};
     forward_spectrum *g = &f->spectrum[f->n_spectra++];
     *g = (forward_spectrum){.first = plan->material.n_arms,

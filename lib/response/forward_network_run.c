@@ -13,7 +13,7 @@ palp_status palp_forward_network(const palp_model *model, const palp_network_set
     forward_network *network;
     double shortest, whole;
     if (model->kind != PALP_MODEL_NETWORK)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model is run by palp_forward_force");
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the model is lumped; use palp_forward_force");
     forward_times(run, &shortest, &whole);
     palp_status status = forward_plan_make(model, run->session_s, &plan, error);
     if (!status)
@@ -23,7 +23,8 @@ palp_status palp_forward_network(const palp_model *model, const palp_network_set
     plan.contact = run->contact_m;
     status = forward_network_take_history(network, run->history);
     if (status)
-        palp_error_set(error, status, "the specimen as earlier runs left it: %s", palp_status_text(status));
+        palp_error_set(error, status, "state of the specimen after earlier runs: %s",
+                       palp_status_text(status));
     forward_specimen specimen = forward_network_specimen(network);
     if (!status)
         status = forward_run(&plan, &specimen, run, force_N, NULL, error);
@@ -39,7 +40,7 @@ palp_status forward_network_force(const palp_model *model, const palp_forward_ru
     forward_network *network;
     double shortest, whole;
     if (model->kind != PALP_MODEL_NETWORK)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a lumped model is run by palp_forward_force");
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "the model is lumped; use palp_forward_force");
     if (model->density_kg_m3 > 0.0 || model->material.formulation != PALP_HISTORY)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "a network with mass or of formulation sedef2008 has no derivatives");
@@ -55,7 +56,7 @@ palp_status forward_network_force(const palp_model *model, const palp_forward_ru
     if (!status) {
         status = forward_network_take_history(network, run->history);
         if (status)
-            palp_error_set(error, status, "the specimen as earlier runs left it: %s",
+            palp_error_set(error, status, "state of the specimen after earlier runs: %s",
                            palp_status_text(status));
     }
     if (!status)

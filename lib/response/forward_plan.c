@@ -20,7 +20,7 @@ size_t forward_effect_column(const palp_model *model, size_t effect) {
 static palp_status add_effect_arm(forward_plan *plan, const double *value, size_t column, palp_error *error) {
     palp_material *m = &plan->material;
     if (m->n_arms == PALP_ARMS_MAX)
-        return palp_error_set(error, PALP_ERR_LIMIT, "relaxation_arm: the model has %d arms already",
+        return palp_error_set(error, PALP_ERR_LIMIT, "relaxation_arm: the model already has %d arms",
                               PALP_ARMS_MAX);
     double stiffness = fmax(value[0], FORWARD_NO_STIFFNESS);
     plan->arm_column[m->n_arms] = column;
@@ -40,7 +40,7 @@ static palp_status insert_effect_by_stage(forward_plan *plan, size_t i, palp_err
     plan->effect[at] = (forward_effect){.row = row, .effect = effect, .column = column};
     plan->n_spectra += row->spectrum != NULL;
     if (plan->n_spectra > FORWARD_SPECTRA)
-        return palp_error_set(error, PALP_ERR_LIMIT, "%s: the model has %d such effects already",
+        return palp_error_set(error, PALP_ERR_LIMIT, "%s: the model already has %d such effects",
                               row->info.id, FORWARD_SPECTRA);
     return row->arm ? add_effect_arm(plan, effect->value, column, error) : PALP_OK;
 }
@@ -141,7 +141,7 @@ palp_status forward_plan_age(forward_plan *plan, double session_s) {
 static palp_status check_lumped_model(const palp_model *model, palp_error *error) {
     if (model->material.formulation != PALP_HISTORY)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "formulation sedef2008 takes no effects; use history");
+                              "formulation sedef2008 does not support effects; use history");
     if (!(model->height_m > 0.0))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the specimen has no height");
     return PALP_OK;
@@ -166,6 +166,7 @@ palp_status forward_plan_make(const palp_model *model, double session_s, forward
     find_contact_effects(plan);
     if (forward_plan_age(plan, session_s))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
-                              "at %.6g s of the session nothing is left of the specimen's force", session_s);
+                              "session_ageing leaves no force of the specimen at %.6g s of the session",
+                              session_s);
     return palp_material_check(&plan->material, error);
 }

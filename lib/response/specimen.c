@@ -57,7 +57,9 @@ static palp_status check_specimen_settings(const palp_specimen_settings *s, palp
                 isfinite(s->table_N_m) && isfinite(s->session_s) && s->step_s > 0.0 &&
                 s->span_s >= s->step_s && isfinite(s->span_s) && s->fastest_m_s >= 0.0 &&
                 isfinite(s->fastest_m_s);
-    return good ? PALP_OK : palp_error_set(error, PALP_ERR_ARGUMENT, "settings out of their range");
+    return good ? PALP_OK
+                : palp_error_set(error, PALP_ERR_ARGUMENT,
+                                 "a setting of the specimen or sensor is out of range");
 }
 
 /* Updates the factor of the specimen's force to the present time. */

@@ -96,7 +96,7 @@ static palp_status fit_each_recording(size_t n, const palp_recording *recordings
     for (size_t r = 0; r < n && !status; r++) {
         status = palp_characterize_fit(1, &recordings[r], settings, &fits[r], error);
         if (!status && fits[r].material.n_arms != settings->n_arms)
-            status = palp_error_set(error, PALP_ERR_INPUT, "%s: does not tell %zu arms apart",
+            status = palp_error_set(error, PALP_ERR_INPUT, "%s: does not identify %zu arms",
                                     recordings[r].name, settings->n_arms);
     }
     return status;
@@ -128,7 +128,7 @@ palp_status palp_thesis_grid(size_t n, const palp_recording *recordings,
         return palp_error_null(error);
     memset(fit, 0, sizeof *fit);
     if (settings->n_arms < 1 || settings->n_arms > 2)
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "the grid takes one or two arms");
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED, "the grid search supports one or two arms only");
     palp_characterize_settings each = *settings;
     each.spring = PALP_SPRING_PER_RUN;
     fit_problem p;

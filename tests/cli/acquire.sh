@@ -34,7 +34,7 @@ protocol() { # line and text of the error, line 2 on of the file
 }
 protocol '2: malformed JSON' ' "runs": [}'
 protocol '2: hold_s must be a number from 0' ' "hold_s": -1, "runs": [{"kind": "static", "depth_mm": 1}]}'
-protocol '2: speed_mm_s is no known key' ' "speed_mm_s": 1, "runs": [{"kind": "static", "depth_mm": 1}]}'
+protocol '2: speed_mm_s is not a known key' ' "speed_mm_s": 1, "runs": [{"kind": "static", "depth_mm": 1}]}'
 protocol '1: needs "runs"' ' "runs": []}'
 protocol '4: runs[1] needs "kind"' ' "runs": [\n{"kind": "static", "depth_mm": 1},\n{"kind": "sttic"}]}'
 protocol '3: runs[0] needs depth_mm' ' "runs": [\n{"kind": "static"}]}'
@@ -133,9 +133,9 @@ for f in over_force over_travel over_temperature following_error sensor_silent s
     [ "$(rows $f/ramp_hold_2mm.csv)" -gt 1000 ] || fail "$f: $(rows $f/ramp_hold_2mm.csv) rows"
 done
 expect 0 characterize over_temperature/ramp_hold_2mm.csv --arms 0
-grep -q "ended early by a fault" err || fail "characterize does not see the fault"
+grep -q "cut short by a fault" err || fail "characterize does not see the fault"
 expect 1 acquire $H --specimen none --specimen-height-mm 24 --ramp-hold 2 --out air
-grep -q "no contact in 30 mm" err || fail "air: $(cat err)"
+grep -q "no contact within 30 mm" err || fail "air: $(cat err)"
 
 # ---- killed, stopped, unplugged ----
 grown() { [ -e "$1" ] && [ "$(wc -c <"$1")" -ge "$2" ]; } # file, bytes
@@ -151,7 +151,7 @@ await grown killed/ramp_hold_2mm.csv 100000
 kill -9 $! && wait $! 2>/dev/null
 [ "$(fault killed/ramp_hold_2mm.csv)" = '"interrupted"' ] || fail "killed: $(fault killed/ramp_hold_2mm.csv)"
 expect 0 characterize killed/ramp_hold_2mm.csv --arms 0
-grep -q "ended early by a fault" err || fail "killed: characterize does not see it"
+grep -q "cut short by a fault" err || fail "killed: characterize does not see it"
 
 # (a command in the background of a script does not hear SIGINT)
 "$PALPATE" acquire $H $long --out stopped 2>err &
@@ -219,10 +219,10 @@ awk -F, '/^[0-9]/ && $1 > 6 && $1 < 20 { n++; if ($3 < 4.9 || $3 > 5.1) exit 1 }
 # ---- soft: found, or the reason why not ----
 expect 0 acquire $H --scale 0.06 --contact-mm 2 --static --depth-mm 1 --rate-mm-s 1 --out soft
 expect 1 acquire $H --scale 0.01 --noise-N 0.005 --contact-mm 2 --static --depth-mm 1 --out softer
-grep -q "0.01 N was met, but the sensor's noise hides whether it rises with depth" err || fail "a line that is lost in noise: $(cat err)"
+grep -q "reached 0.01 N, but its rise with depth is hidden by noise" err || fail "a line that is lost in noise: $(cat err)"
 
 # ---- columns of the whole sensor and of temperature; a camera that starts the run, and gets a pulse every 100 samples ----
-wrong 2 "--channels wants forces" $H --ramp-hold 2 --channels force --out x
+wrong 2 "--channels must be forces" $H --ramp-hold 2 --channels force --out x
 expect 0 acquire $H $short --ramp-hold 2 --hold-s 1 --channels forces,temperature --trigger-in start --trigger-out 100 \
     --trigger-every-s 1.5 --out camera
 grep -q '^time_s,depth_mm,force_N,Fx_N,Fy_N,Fz_N,Tx_Nm,Ty_Nm,Tz_Nm,temperature_C,trigger_in,trigger_out$' camera/ramp_hold_2mm.csv ||

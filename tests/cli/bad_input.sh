@@ -46,8 +46,8 @@ rows dead.csv 'f = i % 2 ? 0.004 : -0.003'
 rows negated.csv 'f = -f'
 rows deeper.csv 'd *= 6'
 rows far.csv 'd += 1e6'
-for run in "dead.csv: force_N never leaves its noise" "negated.csv: force_N grows while depth_mm falls" \
-    "deeper.csv: deepest point 28.5 mm does not fit a specimen of 24 mm" "far.csv: deepest point 1e+06 mm does not fit"; do
+for run in "dead.csv: force_N never exceeds its noise" "negated.csv: force_N grows while depth_mm falls" \
+    "deeper.csv: the depth of 28.5 mm exceeds the specimen's height of 24 mm" "far.csv: the depth of 1e+06 mm exceeds"; do
     wrong "$run" characterize "${run%%:*}" --specimen-height-mm 24
     wrong "$run" explain --model $L "${run%%:*}"
     wrong "$run" calibrate $L "${run%%:*}" --nodes 3 --stage static
@@ -56,9 +56,9 @@ wrong "is a network" calibrate $M --nodes 3
 sed 's/"arms": \[\]/"arms": [{"stiffness_N": 0.2, "viscosity_Ns": 2}], "density_kg_m3": 1000/' $M >heavy.json
 wrong "heavy.json: has density_kg_m3" calibrate $L --start heavy.json --stage relaxation
 wrong "heavy.json: has density_kg_m3" explain few.csv --model heavy.json
-wrong "--start wants a network" calibrate $L --start $L
-wrong "a lumped model has no mesh" export $L --strain 0.1
-wrong "handles one" calibrate $DATA/lumped_n2.json --nodes 3 --method three_phase
+wrong "is a lumped model, but --start needs a network" calibrate $L --start $L
+wrong "is a lumped model, which has no mesh" export $L --strain 0.1
+wrong "three_phase fits one" calibrate $DATA/lumped_n2.json --nodes 3 --method three_phase
 wrong "none.msh" calibrate $L --mesh none.msh --stage static
 wrong "hex-diagonals" calibrate $L --mesh "$ROOT/data/meshes/box_hexa.msh" --stage static
 wrong "nowhere/run.csv" simulate $L --protocol static --depth-mm 3 --out nowhere/run.csv

@@ -56,14 +56,14 @@ grep -q 'is not 0 in all channels' err || fail "a blind sensor: $(cat err)"
 expect 2 $D set travel=1 $H --yes; says "has no parameter travel"
 expect 2 $D set Fz_N=1 $H --yes; says "Fz_N has 6 values: name one as Fz_N.0 to Fz_N.5"
 expect 2 $D set Fz_N.6=1 $H --yes; says "Fz_N.0 to Fz_N.5"
-expect 2 $D set travel_m=ten $H --yes; says "wants a number"
-expect 2 $D $H; says "say what to do"
+expect 2 $D set travel_m=ten $H --yes; says "must be a number"
+expect 2 $D $H; says "name an action"
 expect 2 $D reset $H; says "no such action: reset"
 expect 2 $D show; says "--port"
 printf '{"palpate": {"machine": 1},\n "parameters": {\n"travel_m": "far"}}' >bad.json
 expect 1 $D load bad.json $H --yes; says "bad.json:3: parameters.travel_m must be a number"
 printf '{"palpate": {"machine": 1}, "parameters": {"tarvel_m": 1}}' >bad.json
-expect 1 $D load bad.json $H --yes; says "parameters.tarvel_m is no parameter of this device"
+expect 1 $D load bad.json $H --yes; says "parameters.tarvel_m is not a parameter of this device"
 cmp -s flash.bin before.bin || fail "what is refused changes the flash"
 
 # ---- damage: the record before it, and then none ----
@@ -81,5 +81,5 @@ expect 0 $D set friction_N=0.2 $H --yes
 cp flash.bin short.bin
 printf '\0\0\0\0' | dd of=short.bin bs=1 seek=40 conv=notrunc 2>/dev/null
 expect 0 acquire --port rig --firmware host --store short.bin --static --depth-mm 1 --rate-mm-s 2 --air-s 0.2 --after-s 0.2 --out damaged
-grep -q 'what the device has kept is damaged' err || fail "acquire does not warn: $(cat err)"
+grep -q 'saved parameters are damaged' err || fail "acquire does not warn: $(cat err)"
 done_testing

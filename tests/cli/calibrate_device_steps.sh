@@ -85,7 +85,7 @@ contains motor_drag_Ns_m 39.25 0.02
 contains friction_N 0.35 0.02
 awk '/"error_um"/ { getline; before = $2 + 0 } /"error_after_um"/ { getline; after = $2 + 0 }
     END { exit !(after > 0 && after < 0.5 * before) }' out || fail "the new gains do not follow better: $(cat out)"
-expect 1 $D block $H --yes --force --out-folder steps; grep -q 'is no rigid block' err || fail "a specimen for a block: $(cat err)"
+expect 1 $D block $H --yes --force --out-folder steps; grep -q 'is not that of a rigid block' err || fail "a specimen for a block: $(cat err)"
 
 # ---- a recording afterwards: what it says, and its force that of an indenter without error ----
 press="--static --depth-mm 3 --rate-mm-s 2 --air-s 0.2 --after-s 0.2 --noise-N 0 --compliance-mm-N 0"

@@ -161,7 +161,7 @@ expect 0 characterize odd.csv --arms 2
 grep -q "uneven sampling\|gap" err || fail "uneven sampling is not told: $(cat err)"
 { head -n 3000 hold5.csv; echo '# end.fault: "over_temperature"'; } >odd.csv
 expect 0 characterize odd.csv --arms 1 --json
-grep -q "ended early by a fault" err || fail "a fault is not told: $(cat err)"
+grep -q "cut short by a fault" err || fail "a fault is not told: $(cat err)"
 
 wrong() { # exit code, text, arguments...: the last line says why
     code=$1 text=$2; shift 2
@@ -182,16 +182,16 @@ wrong 1 "still.csv" still.csv
 wrong 1 "forceless.csv" forceless.csv
 wrong 1 "--specimen-height-mm" heightless.csv
 wrong 1 "specimen.radius_mm" radiusless.csv --law yeoh
-wrong 1 "the same specimen, of 24 mm" hold4.csv taller.csv --specimens one
+wrong 1 "has 24 mm; assign runs" hold4.csv taller.csv --specimens one
 grep -v radius_mm taller.csv >taller_bare.csv
-wrong 1 "needs the area of each" hold4.csv taller_bare.csv
+wrong 1 "needs their radii" hold4.csv taller_bare.csv
 wrong 1 "needs ramp-and-hold runs" static.csv --method grid --arms 1
 wrong 2 "name a RUN.csv"
 wrong 2 "--arms must be auto or a whole number from 0 to 16, not \"2.5\"" hold5.csv --arms 2.5
 wrong 2 "--degree must be auto or a whole number from 2 to 7, not \"9\"" hold5.csv --degree 9
 wrong 2 "goes with --law polynomial" hold5.csv --law yeoh --degree 3
 wrong 2 "goes with --law spline" hold5.csv --law polynomial --knots 4
-wrong 2 "either --shared-arms or --per-depth" hold5.csv --shared-arms --per-depth
+wrong 2 "--shared-arms or --per-depth, not both" hold5.csv --shared-arms --per-depth
 wrong 2 "needs --arms 1 or --arms 2" hold5.csv --method grid
 wrong 2 "must be one of auto|polynomial" hold5.csv --law cubic
 expect 0 characterize heightless.csv --specimen-height-mm 24 --arms 2

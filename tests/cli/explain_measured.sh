@@ -41,7 +41,7 @@ says afm/*.csv --candidates relaxation_arm,adhesion,sensor_drift
 # A muscle at four speeds, means over preparations: relaxation over four decades, more than one arm and one law can follow.
 expect 0 import "$ROOT"/data/measured/titin/*.csv --units depth=stretch,force=kPa --specimen-height-mm 2 --specimen-area-mm2 0.5 --out titin
 expect 0 characterize titin/*.csv --arms 1 --out model.json
-grep -q 'the model leaves .* of the peak .* palpate explain tells' err || fail "no word of a model that does not follow the runs: $(cat err)"
+grep -q 'the residual is .* of the peak .* palpate explain to find' err || fail "no word of a model that does not follow the runs: $(cat err)"
 expect 0 explain --model model.json titin/*.csv --candidates relaxation_arm,sensor_lag --result result.json
 grep -q '"verdict": "unexplained"' result.json || fail "titin: $(cat out)"
 done_testing

@@ -79,7 +79,7 @@ done
 # A network is fitted without mass: a density is refused before anything is made of it.
 sed 's/"formulation"/"density_kg_m3": 1000, "formulation"/' guess.json >heavy.json
 expect 1 explain --model heavy.json true?.csv
-says "has density_kg_m3, and a network is fitted without mass"
+says "has density_kg_m3, but networks are fitted without mass"
 
 # A lumped model's effects and palpate calibrate: those of the instrument stay, those of the material are told.
 cat >lumped.json <<J

@@ -135,17 +135,17 @@ sed '9s/,.*//' plain.csv >bad.csv; refused "bad.csv:9: the depth (column 2) is n
 sed '7s/^[^,]*/nan/' plain.csv >bad.csv; refused "bad.csv:7: the time" bad.csv --strict
 sed '20p' plain.csv >bad.csv; refused "bad.csv:21: time does not increase" bad.csv --strict
 sed '2s/,[^,]*$/,/' plain.csv >bad.csv; refused "bad.csv:2: the force" bad.csv --strict
-sed '1s/ (mm)//' plain.csv >bad.csv; refused 'column "Depth" does not say its unit; say it by --units depth=mm' bad.csv
-sed '1s/Depth/Position/; 1s/Time (s)/Travel (Hz)/' plain.csv >bad.csv; refused "no column is named as a time" bad.csv
+sed '1s/ (mm)//' plain.csv >bad.csv; refused 'column "Depth" has no unit; give it by --units depth=mm' bad.csv
+sed '1s/Depth/Position/; 1s/Time (s)/Travel (Hz)/' plain.csv >bad.csv; refused "no column looks like a time by its name" bad.csv
 sed '1s/Force (N)/Displacement (mm)/' plain.csv >bad.csv; refused 'of 1 "Time (s)", 2 "Depth (mm)", 3 "Displacement (mm)"' bad.csv
 awk -F, 'NR == 1 { print $1 ",Position (mm),Displacement (mm)," $3; next } { print $1 "," $2 "," $2 * $2 "," $3 }' plain.csv >bad.csv
 refused 'columns 2 "Position (mm)" and 3 "Displacement (mm)" could both be the depth' bad.csv
-refused 'no column "4" for --map depth: a name (without commas) or a number of 1 "Time (s)", 2' plain.csv --map depth=4
+refused 'no column "4" for --map depth; give a name (without commas) or number of 1 "Time (s)", 2' plain.csv --map depth=4
 refused "no row of numbers" plain.csv --separator ';'
 refused "not a Mach-1 file" plain.csv --format mach1
-refused "is an experiment of palpate already" csv/plain.csv
+refused "is already an experiment of palpate" csv/plain.csv
 awk -F, 'NR == 1 { print; next } { print $1 ",5," $3 }' plain.csv >bad.csv; refused "nothing was pressed" bad.csv
-sed '1s/mm/m/' plain.csv >bad.csv; refused "does not fit a specimen of 24 mm" bad.csv
+sed '1s/mm/m/' plain.csv >bad.csv; refused "exceeds the specimen's height of 24 mm" bad.csv
 head -n 3 plain.csv >bad.csv; refused "fewer than three rows" bad.csv
 sed '$d' own.txt >cut.txt; expect 0 import cut.txt --specimen-height-mm 24 --out cut
 grep -q 'cut.txt:[0-9]*: the file ends before <END DATA>' err || fail "a block that is cut: $(cat err)"
@@ -161,11 +161,11 @@ wrong() { # text, arguments...
     expect 2 import "$@"; says "$text"
 }
 wrong "name a FILE" --out x
-wrong "name a folder by --out" plain.csv
-wrong "--negate wants" plain.csv --out x --negate up
-wrong "--map wants" plain.csv --out x --map zeit=1
-wrong "--units wants" plain.csv --out x --units depth
-wrong "no such unit" plain.csv --out x --units depth=furlong
+wrong "name the folder of the experiments by --out" plain.csv
+wrong "--negate must be" plain.csv --out x --negate up
+wrong "--map must be" plain.csv --out x --map zeit=1
+wrong "--units must be" plain.csv --out x --units depth
+wrong "not a unit of this quantity" plain.csv --out x --units depth=furlong
 mkdir -p sub; cp plain.csv sub
 wrong "would both become plain.csv" plain.csv sub/plain.csv --specimen-height-mm 24 --out x
 expect 1 import plain.csv --specimen-height-mm 24 --out .; says "plain.csv: is an input"

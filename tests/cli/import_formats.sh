@@ -19,8 +19,8 @@ for run in formats/*.csv; do
         t <= 10 { off("force", $3, 0.2 * depth + 0.05 * depth * depth, 2 * d) }
         END { if (NR != rows) { print NR " rows, not " rows; bad = 1 }; exit bad }' >why || fail "$run: $(head -n 3 why)"
 done
-grep -q "nan: 1 of 400 rows are not numbers and were left out, the first at line 39" err || fail "nan: nothing about the row"
-grep -q "dup: 200 of 400 rows do not come later" err || fail "dup: nothing about the rows"
+grep -q "nan: left out 1 of 400 rows that are not numbers, the first at line 39" err || fail "nan: nothing about the row"
+grep -q "dup: left out 200 of 400 rows whose time does not increase" err || fail "dup: nothing about the rows"
 for strict in nan dup; do
     expect 1 import "$FORMATS/$strict.csv" --strict --specimen-height-mm 24 --out strict
 done
@@ -44,7 +44,7 @@ expect 0 import "$MEASURED"/titin/*.csv --units depth=stretch,force=kPa --specim
 T=real/AvgRelaxed_1s.csv
 near "titin: depth" "$(grep '^[0-9]' $T | awk -F, 'NR == 1 { a = $2 } NR == 4 { printf "%.12f", $2 - a }')" 0.071273684210526 1e-9  # 2 (0.985357 - 0.949720)
 near "titin: force" "$(grep '^[0-9]' $T | awk -F, 'NR == 4 { print $3 }')" 2.02211866478717e-4 1e-12                # 0.404424 kPa on 0.5 mm2
-expect 1 import $MEASURED/titin/AvgRelaxed_1s.csv --specimen-height-mm 2 --out none; says 'say it by --units depth='
+expect 1 import $MEASURED/titin/AvgRelaxed_1s.csv --specimen-height-mm 2 --out none; says 'give it by --units depth='
 
 expect 0 import "$MEASURED"/ecoflex/*.csv "$MEASURED"/mach1/*.csv --specimen-height-mm 30 --out real
 
@@ -62,7 +62,7 @@ done
 for set in afm mach1 ecoflex; do
     expect 0 import "$MEASURED/$set" --specimen-height-mm 30 --out "whole_$set"
     [ "$(ls "whole_$set" | wc -l)" -ge "$(ls "$MEASURED/$set" | grep -vc LICENSE)" ] || fail "$set: $(ls "whole_$set" | wc -l) runs"
-    [ "$(grep -c 'LICENSE.*: left out: there is no table in it' err)" -eq 1 ] || fail "$set: nothing about the licence"
+    [ "$(grep -c 'LICENSE.*: left out, as it has no table' err)" -eq 1 ] || fail "$set: nothing about the licence"
 done
 expect 1 import "$MEASURED/afm" --strict --specimen-height-mm 30 --out strict_afm
 expect 1 import "$MEASURED"/afm/LICENSE.txt --specimen-height-mm 30 --out strict_afm; says "no row of numbers"

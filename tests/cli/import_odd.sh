@@ -31,7 +31,7 @@ same made/trios.csv 71
 awk "$press"'print "Time (s);Weg (mm);Kraft (N)"; for (k = 0; k <= 70; k++) { press(k); if (k == 41) start = t - 0.1; printf "%.1f;%.4f;%.6f\n", t - start, d, f } }' >again.csv
 expect 0 import again.csv --specimen-height-mm 20 --out made
 same made/again.csv 71
-grep -q "the clock starts anew 1 time within the run" err || fail "again: nothing about the clock"
+grep -q "the clock restarts 1 time within the run" err || fail "again: nothing about the clock"
 awk "$press"'for (s = 1; s <= 3; s++) { print "Specimen " s "\nTime (s)\tExtension (mm)\tLoad (N)"; for (k = 0; k <= 70; k++) { press(k); printf "%.1f\t%.4f\t%.6f\n", t, d, f }; print "" } }' >three.txt
 expect 0 import three.txt --specimen-height-mm 20 --out three
 [ "$(ls three | tr '\n' ' ')" = "three_01.csv three_02.csv three_03.csv " ] || fail "three: $(ls three)"

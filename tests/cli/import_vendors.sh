@@ -10,14 +10,14 @@ mkdir made
 for file in files/*; do
     name=$(basename "$file")
     "$PALPATE" import "$file" --out "made/$name" >/dev/null 2>err && continue
-    grep -q "height is not in the file" err || { fail "$name"; tail -n 1 err; }
+    grep -q "has no height of the specimen" err || { fail "$name"; tail -n 1 err; }
     expect 0 import "$file" --specimen-height-mm 20 --out "made/$name"
 done
 python3 "$ROOT/tests/cli/import_vendors.py" --compare made || fail "numbers"
 
 # ---- specimens side by side: said, and one alone ----
 expect 0 import files/pasco.csv --specimen-height-mm 20 --out side
-grep -q "2 specimens side by side" err || fail "side by side is not said"
+grep -q "so 2 specimens become a run each" err || fail "side by side is not said"
 expect 0 import files/pasco.csv --specimen-height-mm 20 --map time=4,depth=6,force=5 --out one
 [ "$(ls one)" = pasco.csv ] || fail "one: $(ls one)"
 grep '^[0-9]' side/pasco_02.csv | cut -d, -f1-3 >second
@@ -25,7 +25,7 @@ grep '^[0-9]' one/pasco.csv | cut -d, -f1-3 | cmp -s - second || fail "one: not 
 
 # ---- no time: by the file, by --rate, and neither ----
 sed 1d files/notime.csv >bare.csv
-expect 1 import bare.csv --specimen-height-mm 20 --out bare; says "how often was sampled by --rate HZ"
+expect 1 import bare.csv --specimen-height-mm 20 --out bare; says "the sampling rate by --rate HZ"
 expect 0 import bare.csv --specimen-height-mm 20 --rate 10 --out bare
 grep '^[0-9]' made/notime.csv/notime.csv | cut -d, -f1-3 >timed
 grep '^[0-9]' bare/bare.csv | cut -d, -f1-3 | cmp -s - timed || fail "--rate"

@@ -93,7 +93,7 @@ if (ulimit -v 120000) 2>/dev/null && "$PALPATE" --version >/dev/null && ldconfig
     (OPENBLAS_NUM_THREADS=4 && ulimit -v 400000 &&
         exec timeout 300 "$PALPATE" explain --model "$L" run.csv --max-effects 0 --jobs 8) >out 2>err ||
         fail "explain in 400 MB: $(cat err)"
-    grep -q "at a time: there is no memory for more" err || fail "fewer jobs are not told"
+    grep -q "is used: there is no memory for more" err || fail "fewer jobs are not told"
 fi
 
 # A full disk: the name and the reason, and the file that was there stays.

@@ -19,7 +19,7 @@ refused() {
     says "$why"
     cmp -s "$file" before || fail "palpate $*: $file is another one"
 }
-input="is an input or named twice"
+input="is an input, or an output named twice"
 refused model.json "$input" simulate model.json --protocol static --depth-mm 3 --out model.json
 refused model.json "$input" simulate model.json --protocol static --depth-mm 3 --out ./model.json --force
 refused run.csv "$input" simulate model.json --like run.csv --out run.csv
@@ -35,7 +35,7 @@ refused run.csv "$input" report run.csv --out run.csv
 refused folder/run.csv "$input" report folder --out folder/run.csv
 ln -s run.csv link.csv
 refused run.csv "$input" simulate model.json --like run.csv --out link.csv
-recording="is a recording: name another output, or give --force"
+recording="is a recording; name another output, or give --force"
 refused run.csv "$recording" simulate model.json --protocol static --depth-mm 3 --out run.csv
 refused run.csv "$recording" export network.json --strain 0.1 --out run.csv
 grep -v '^#' run.csv >raw.csv

@@ -50,7 +50,7 @@ slide s1.csv 9 9 15 9; slide s2.csv 15 12 9 12; slide s3.csv 9 15 15 15; slide s
 expect 0 reduce net.json s1.csv s2.csv s3.csv s4.csv --modes 20 --static-modes 2 --elements 400 --out ball.json --json
 awk -v b="$(value out held_out_worst)" 'BEGIN { exit !(b > 0 && b < 0.05) }' || fail "ball: error $(value out held_out_worst)"
 expect 1 simulate ball.json --protocol static --depth-mm 2
-says "no plate presses"
+says "has no plate"
 
 # Wrong usage and input: one line, nothing written.
 bad() { # code text arguments...
@@ -60,22 +60,22 @@ bad() { # code text arguments...
     says "$text"
 }
 bad 2 "name a NETWORK.json" reduce
-bad 2 "name runs to take snapshots of" reduce net.json
-bad 2 "too few to hold out" reduce net.json p1.csv
-bad 2 "raise it" reduce net.json p1.csv p2.csv --modes 4 --static-modes 5
+bad 2 "name runs for the snapshots" reduce net.json
+bad 2 "too few to hold one out" reduce net.json p1.csv
+bad 2 "raise --modes" reduce net.json p1.csv p2.csv --modes 4 --static-modes 5
 bad 2 "must be from 1 to" reduce net.json p1.csv --modes 0
 bad 2 "must be one of auto|plate|bottom" reduce net.json p1.csv --supports top
 bad 2 "must be from 0 to" reduce net.json p1.csv p2.csv --hold-out 1
 bad 1 "none.json" reduce none.json p1.csv p2.csv
 bad 1 "none.csv" reduce net.json p1.csv none.csv
-bad 1 "as small as can be" reduce $DATA/lumped_n1.json p1.csv p2.csv
+bad 1 "needs no reduction" reduce $DATA/lumped_n1.json p1.csv p2.csv
 sed 's/tool_z_mm/tool_w_mm/' s1.csv >half.csv
 bad 1 "half.csv: a tool needs the columns" reduce net.json half.csv s2.csv
 grep -v radius s1.csv >ballless.csv
 bad 1 "ballless.csv: a tool needs the key tool.radius_mm" reduce net.json ballless.csv s2.csv
 press deep.csv 25 5 1
 bad 1 "deep.csv: depth_mm reaches 25" reduce net.json deep.csv p2.csv
-bad 1 "nothing drives the top" reduce net.json p1.csv s2.csv s3.csv
+bad 1 "no plate moves the top" reduce net.json p1.csv s2.csv s3.csv
 bad 1 "nowhere/r" reduce net.json p1.csv p2.csv --out nowhere/r.json
 bad 2 "follows a depth, not a force" simulate reduced.json --protocol creep --force-N 1
 bad 2 "is reduced" simulate reduced.json --protocol static --depth-mm 1 --vtu frames
@@ -85,9 +85,9 @@ bad 1 "other.json:" simulate other.json --protocol static --depth-mm 1
 sed 's/"reduced": 1/"reduced": 2/' reduced.json >two.json
 bad 1 "two.json:3: palpate.reduced" simulate two.json --protocol static --depth-mm 1
 printf 'x' >>reduced.bin
-bad 1 "are of another length" simulate reduced.json --protocol static --depth-mm 1
+bad 1 "have the wrong length" simulate reduced.json --protocol static --depth-mm 1
 cp again.bin reduced.bin; printf '\377' | dd of=reduced.bin bs=1 seek=3000 conv=notrunc 2>/dev/null
-bad 1 "another checksum" simulate reduced.json --protocol static --depth-mm 1
+bad 1 "the wrong checksum" simulate reduced.json --protocol static --depth-mm 1
 rm reduced.bin
 bad 1 "reduced.bin" simulate reduced.json --protocol static --depth-mm 1
 ls | grep -q tmp && fail "a temporary file was left behind: $(ls | grep tmp)"

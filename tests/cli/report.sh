@@ -69,10 +69,10 @@ expect 0 report work --out more.html
 in_page more.html
 grep -q 'strange.json' shown || fail "a file that was not used is not listed"
 expect 1 report work/broken.csv --out no.html; says "palpate report: work/broken.csv"
-expect 1 report work/strange.json; says "no JSON that palpate writes"
+expect 1 report work/strange.json; says "not a JSON file of palpate"
 expect 1 report nowhere; says "palpate report: nowhere"
 mkdir empty
-expect 1 report empty; says "holds nothing that palpate writes"
+expect 1 report empty; says "has no recording, model or result of palpate"
 expect 2 report; says "name a folder or files"
 expect 1 report runs --out nowhere/page.html; says "nowhere/page.html"
 [ -e no.html ] && fail "a page in spite of failure"
@@ -84,9 +84,9 @@ long=the_press_of_the_first_monday_with_a_long_name_1.csv
 mkdir few
 expect 0 characterize $long --arms 2 --degree 3 --result few/result.json
 grep -q "^  $long  *[0-9]" out || fail "the run's name is cut: $(grep monday out)"
-[ "$(grep -c 'not determined by these data' err)" = 1 ] || fail "not one warning of all parameters: $(cat err)"
+[ "$(grep -c 'not identifiable from these data' err)" = 1 ] || fail "not one warning of all parameters: $(cat err)"
 expect 0 report few --out few.html
-grep -q 'c[0-9].* not determined by these data' few.html || fail "the warning is not on the page"
+grep -q 'c[0-9].* not identifiable from these data' few.html || fail "the warning is not on the page"
 
 
 # Whatever a file is called, it is text on the page, and runs nothing: quotes, line ends, a terminal's codes, markup, no UTF-8.

@@ -77,7 +77,7 @@ expect 2 simulate bias.json --protocol creep --force-N 1; says "--protocol creep
 expect 2 simulate bias.json --protocol static --depth-mm 3 --relaxed; says "--relaxed does not go with the effects"
 expect 2 simulate slip.json --protocol static --depth-mm 3 --vtu frames; says "--vtu does not go with the effects"
 model slip.json "$(effect plate_slip '"slip": 0.5')"
-expect 1 simulate slip.json --protocol static --depth-mm 2; says 'slip.json:3: effects[0].id "plate_slip" is no effect of a lumped model'
+expect 1 simulate slip.json --protocol static --depth-mm 2; says 'slip.json:3: effects[0].id "plate_slip" is not an effect of a lumped model'
 model wrong.json "$(effect sensor_lag '"time_s": -1')"
 expect 1 simulate wrong.json --protocol static --depth-mm 2; says "wrong.json:3: effects[0].parameters.time_s must be between 0 and 1e+09, not -1"
 done_testing

@@ -12,7 +12,7 @@ forces() { # file, nodes
 }
 expect 0 simulate $DATA/network_27.json --protocol static --depth-mm 9.6 --relaxed --out 27.csv
 says "warning: the network buckles between"
-says "--branch stable descends to the stable one"
+says "--branch stable follows a stable one"
 forces 27.csv 27 "0.1:0.851966 0.2:1.831668 0.3:2.961096 0.4:4.306510"
 sed 's/\[3, 3, 3\]/[5, 5, 5]/' $DATA/network_27.json >5.json # the same law
 expect 0 simulate 5.json --protocol static --depth-mm 9.6 --relaxed --out 125.csv
@@ -57,9 +57,9 @@ cat >box.json <<J
  "mesh": {"kind": "file", "path": "$ROOT/data/meshes/box_tetra.msh"}}
 J
 expect 0 simulate box.json --protocol static --depth-mm 3 --json
-[ "$(value out inverted)" = 0 ] && ! grep -q 'inside out' err || fail "inside out at 3 mm: $(value out inverted), $(cat err)"
+[ "$(value out inverted)" = 0 ] && ! grep -q 'are inverted' err || fail "inverted at 3 mm: $(value out inverted), $(cat err)"
 expect 0 simulate box.json --protocol static --depth-mm 12 --branch stable --json
 inverted=$(value out inverted)
 [ "${inverted:-0}" -gt 0 ] || fail "not inside out at 12 mm: $inverted"
-grep -q "warning: up to $inverted of 384 tetrahedra of the mesh are inside out" err || fail "no warning: $(cat err)"
+grep -q "warning: up to $inverted of 384 tetrahedra of the mesh are inverted at once" err || fail "no warning: $(cat err)"
 done_testing

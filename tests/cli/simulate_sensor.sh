@@ -82,9 +82,9 @@ wrong "--air-s does not go with --protocol creep" --protocol creep --force-N 1 -
 wrong "--sample-Hz does not go with --like" --like noise.csv --sample-Hz 10
 wrong "--sample-Hz does not go with --dt-ms" --protocol static --depth-mm 3 --dt-ms 1 --sample-Hz 10
 wrong "--seed needs --noise-N" --protocol static --depth-mm 3 --seed 3
-wrong "--drop wants pairs" --protocol static --depth-mm 3 --drop 3
-wrong "--drop wants pairs" --protocol static --depth-mm 3 --drop 3,2
-wrong "--spike wants pairs" --protocol static --depth-mm 3 --spike 3,2,1
+wrong "--drop must be pairs" --protocol static --depth-mm 3 --drop 3
+wrong "--drop must be pairs" --protocol static --depth-mm 3 --drop 3,2
+wrong "--spike must be pairs" --protocol static --depth-mm 3 --spike 3,2,1
 wrong "lower --sample-Hz" --protocol static --depth-mm 3 --sample-Hz 1e9
 wrong "leaves no sample" --protocol static --depth-mm 3 --sample-Hz 10 --drop 0,1e9
 

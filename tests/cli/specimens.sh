@@ -47,7 +47,7 @@ awk -F, '/^[0-9]/ && $1 > 0.5 { w = ($5 - $4) / 2 / $3; if (w < 0.3 || w > 0.9) 
 
 # A model that says how its specimens differ, but not how well their mean is known, has a band of that alone: a little narrower.
 sed '/"covariance": \[/,/\]\],$/d' mean.json >spread.json
-expect 0 simulate spread.json --like band.csv --band --out spread.csv; says 'how well the mean of its specimens is known'
+expect 0 simulate spread.json --like band.csv --band --out spread.csv; says 'the band shows how specimens differ, but not'
 grep '^[0-9]' band.csv >a; grep '^[0-9]' spread.csv >b
 paste -d, a b | awk -F, '$1 > 0.5 { w = ($10 - $9) / ($5 - $4); if (w < 0.8 || w > 0.99 || $3 - $8 > 1e-9 || $8 - $3 > 1e-9) bad++; n++ } END { exit !(n > 20 && !bad) }' || fail "the band of the spread alone"
 
@@ -64,6 +64,6 @@ for k in 1 2 3; do
     expect 0 simulate model1.json --protocol ramp_hold --depth-mm 5 --ramp-s 1 --hold-s 20 --sample-Hz 25 --air-s 1 --noise-N 0.01 --seed 7$k --out same$k/run.csv
 done
 expect 0 characterize same?/run.csv --specimens file --arms 1 --law polynomial --degree 2 --out same.json
-grep -q 'do not differ by more than chance' err || fail "same specimens: $(tail -n 1 err)"
+grep -q 'no significant difference between the' err || fail "same specimens: $(tail -n 1 err)"
 grep -q specimens same.json && fail "a spread of specimens that are the same"
 done_testing

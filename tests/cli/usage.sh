@@ -45,10 +45,10 @@ wrong "name a MODEL.json" simulate
 wrong "no such option: --deepness" simulate $M --deepness 3
 wrong "no such option: --depht-mm=3; did you mean --depth-mm?" simulate $M --depht-mm=3
 wrong "no such option: -x" simulate -x $M
-wrong "wants a value" simulate $M --protocol static --depth-mm
+wrong "needs a value" simulate $M --protocol static --depth-mm
 wrong "takes no value" simulate $M --json=yes
 wrong "one argument too many" simulate $M $M --protocol static --depth-mm 3
-wrong "wants a number (MM), not \"abc\"" simulate $M --protocol static --depth-mm abc
+wrong "must be a number (MM), not \"abc\"" simulate $M --protocol static --depth-mm abc
 wrong "not \"3mm\"" simulate $M --protocol static --depth-mm 3mm
 wrong "not \"nan\"" simulate $M --protocol static --depth-mm nan
 wrong "not \"inf\"" simulate $M --protocol static --depth-mm inf
@@ -74,18 +74,18 @@ wrong "either --dt-ms or --tolerance" simulate $M --protocol static --depth-mm 3
 wrong "beyond the model's height of 24 mm" simulate $M --protocol static --depth-mm 30
 wrong "beyond the model's height of 24 mm" simulate $L --protocol static --depth-mm 24
 wrong "raise --dt-ms" simulate $L --protocol static --depth-mm 9 --dt-ms 1e-6
-wrong "--nodes wants one or three" simulate $M --protocol static --depth-mm 3 --nodes 3,3
+wrong "--nodes must be one or three" simulate $M --protocol static --depth-mm 3 --nodes 3,3
 wrong "separated by commas" simulate $M --protocol static --depth-mm 3 --nodes 3,,3
 wrong "must be from 2 to" simulate $M --protocol static --depth-mm 3 --nodes 1
 wrong "--nodes changes a lattice" simulate $L --protocol static --depth-mm 3 --nodes 3
 wrong "--vtu needs a network" simulate $L --protocol static --depth-mm 3 --vtu frames
 
 wrong "name a LUMPED.json" calibrate
-wrong "say which network" calibrate $L
+wrong "name the network: " calibrate $L
 wrong "either --nodes or --mesh" calibrate $L --nodes 3 --mesh box.msh
 wrong "goes with --nodes" calibrate $L --mesh box.msh --size-mm 24
 wrong "go with --mesh" calibrate $L --nodes 3 --scale-mm 2
-wrong "--size-mm wants one or three" calibrate $L --nodes 3 --size-mm 24,24
+wrong "--size-mm must be one or three" calibrate $L --nodes 3 --size-mm 24,24
 wrong "for --stage relaxation or all" calibrate $L --nodes 3 --stage static --method three_phase
 wrong "for --stage static or all" calibrate $L --nodes 3 --stage relaxation --method fixed_point
 wrong "has one arm" calibrate $L --nodes 3 --stage relaxation --method three_phase --arms 2
@@ -95,7 +95,7 @@ wrong "takes one --depth-mm" calibrate $L --nodes 3 --stage static --depth-mm 4,
 wrong "needs --method nlopt" calibrate $L --nodes 3 --stage static --method fixed_point --law spline
 wrong "--strain-dependent needs" calibrate $L --nodes 3 --method three_phase --strain-dependent
 wrong "must be from 1 to 16" calibrate $L --nodes 3 --arms 99
-wrong "beyond the network's height" calibrate $L --nodes 3 --stage static --depth-mm 30
+wrong "exceeds the network's height" calibrate $L --nodes 3 --stage static --depth-mm 30
 
 wrong "name a MODEL.json" export
 wrong "either --depth-mm or --strain" export $M
@@ -103,5 +103,5 @@ wrong "either --depth-mm or --strain" export $M --depth-mm 3 --strain 0.1
 wrong "must be one of calculix" export $M --strain 0.1 --format abaqus
 wrong "must be from 5 to 200" export $M --strain 0.1 --table-points 1000
 wrong "press less" export $M --depth-mm 24
-wrong "two steps in a row" export $M --depth-mm 3,3
+wrong "two successive steps" export $M --depth-mm 3,3
 done_testing

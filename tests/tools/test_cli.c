@@ -132,23 +132,23 @@ static void test_parse_bad(void **state) {
     } wrong[] = {
         {"--other", NULL, "no such option: --other"},
         {"-q", NULL, "no such option: -q"},
-        {"--text", NULL, "--text wants a value"},
+        {"--text", NULL, "--text needs a value"},
         {"--flag=yes", NULL, "--flag=yes takes no value"},
         {"--choice", "purple", "must be one of red|green|blue, not \"purple\""},
         {"--choice", "gree", "not \"gree\""},
         {"--choice", "", "not \"\""},
-        {"--number", "abc", "wants a number (S), not \"abc\""},
+        {"--number", "abc", "must be a number (S), not \"abc\""},
         {"--number", "11", "must be from -1 to 10, not 11"},
         {"--positive", "0", "must be above 0 and at most 10, not 0"},
         {"--positive", "-3", "not -3"},
         {"--positive", "10.5", "at most 10"},
         {"--count", "1", "must be from 2 to 9"},
-        {"--count", "2.5", "wants a whole number"},
+        {"--count", "2.5", "must be a whole number"},
         {"--count", "1e300", "must be from 2 to 9"},
         {"--numbers", "1,0", "must be above 0"},
         {"--numbers", "1,,2", "separated by commas"},
         {"--counts", "3,1", "must be from 2 to 9"},
-        {"--text", "", "wants a name"},
+        {"--text", "", "needs a name"},
     };
     targets t;
     char line[400];

@@ -179,7 +179,7 @@ int acquire_file_open(acquire_file *f, const char *path, bool force, unsigned co
     snprintf(f->path, sizeof f->path, "%s", path);
     f->fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | (force ? O_TRUNC : O_EXCL), 0666);
     if (f->fd < 0 && errno == EEXIST)
-        return cli_failure(NAME, "%s is there already: name another --out, or give --force", path);
+        return cli_failure(NAME, "%s exists; name another --out, or give --force", path);
     if (f->fd < 0)
         return cli_failure(NAME, "%s: %s", path, strerror(errno));
     put_header(f, header);

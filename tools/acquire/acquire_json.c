@@ -113,7 +113,8 @@ static int read_row(const acquire_json *j, const char *axis, const json_t *list,
     for (size_t i = 0; i < PALP_WIRE_CHANNELS; i++) {
         double nano = rint(1e9 * json_number_value(json_array_get(list, i)));
         if (!json_is_number(json_array_get(list, i)) || fabs(nano) > INT32_MAX)
-            return acquire_json_fail(j, axis, "must be numbers from -2 to 2, for a count of each channel");
+            return acquire_json_fail(j, axis,
+                                     "must be numbers from -2 to 2, in N or N m per count of each channel");
         row[i] = (int32_t)nano;
         zero = zero && row[i] == 0;
     }
@@ -136,8 +137,8 @@ int acquire_calibration_read(const char *file, int32_t row[PALP_WIRE_CHANNELS][P
             code = read_row(&j, key, value, row[axis]);
             given[axis] = true;
         } else if (strcmp(key, "palpate") != 0 && strcmp(key, "about") != 0) {
-            code = acquire_json_fail(&j, key,
-                                     "is no known key: known are Fx_N, Fy_N, Fz_N, Tx_Nm, Ty_Nm, Tz_Nm");
+            code = acquire_json_fail(
+                &j, key, "is not a known key, which are Fx_N, Fy_N, Fz_N, Tx_Nm, Ty_Nm and Tz_Nm");
         }
         if (code)
             break;

@@ -78,7 +78,7 @@ static void name_run(acquire_run *r, const char *name) {
 acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acquire_motion *motion,
                               const char *name, char why[ACQUIRE_TEXT]) {
     if (plan->n == ACQUIRE_RUNS) {
-        snprintf(why, ACQUIRE_TEXT, "is one run too many: at most %d", ACQUIRE_RUNS);
+        snprintf(why, ACQUIRE_TEXT, "is too many: a protocol has at most %d runs", ACQUIRE_RUNS);
         return NULL;
     }
     if (kind != ACQUIRE_FREE && kind != ACQUIRE_SEGMENTS && !(motion->depth_mm > 0)) {

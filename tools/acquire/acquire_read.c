@@ -110,7 +110,8 @@ static int read_segment(const acquire_json *j, const char *where, const json_t *
     target_mm = forms[form].kind == PALP_WIRE_SEGMENT_HOLD ? r->at_mm : target_mm;
     return acquire_segment_add(r, forms[form].kind, target_mm, &m)
                ? CLI_OK
-               : acquire_json_fail(j, where, "is one too many: a run has at most %d", PALP_WIRE_SEGMENTS);
+               : acquire_json_fail(j, where, "is too many: a run has at most %d segments",
+                                   PALP_WIRE_SEGMENTS);
 }
 
 static int read_segments(const acquire_json *j, const char *where, const json_t *list, acquire_run *r) {
@@ -159,15 +160,15 @@ static int read_run_keys(const acquire_json *j, const char *where, const json_t 
         if (!kind_has(kind, key))
             return acquire_json_fail(j, at, "does not go with kind %s", acquire_kind_name(kind));
         if (strcmp(key, "name") == 0 && !is_name(json_string_value(value)))
-            return acquire_json_fail(j, at,
-                                     "must be a text of letters, digits, _ . and -, for a file's name");
+            return acquire_json_fail(
+                j, at, "must be a text of letters, digits, _ . and -, as it becomes a file's name");
         if (!known && strcmp(key, "kind") != 0 && strcmp(key, "name") != 0 && strcmp(key, "about") != 0 &&
             (strcmp(key, "segments") != 0 || kind != ACQUIRE_SEGMENTS)) {
-            return acquire_json_fail(j, at, "is no known key");
+            return acquire_json_fail(j, at, "is not a known key");
         }
     }
     bool twice = !isnan(m->rate_mm_s) && !isnan(m->ramp_s);
-    return twice ? acquire_json_fail(j, where, "has rate_mm_s and ramp_s, which say the same thing") : CLI_OK;
+    return twice ? acquire_json_fail(j, where, "has rate_mm_s and ramp_s; give one of them") : CLI_OK;
 }
 
 static int read_run(const acquire_json *j, size_t i, const acquire_motion *options,
@@ -208,7 +209,7 @@ static int read_order(const acquire_json *j, const char *key, const json_t *valu
             return acquire_json_fail(j, key, "must be true or false");
         plan->repeat_first = plan->repeat_first < 0 ? json_is_true(value) : plan->repeat_first;
     } else if (strcmp(key, "palpate") != 0 && strcmp(key, "about") != 0 && strcmp(key, "runs") != 0) {
-        return acquire_json_fail(j, key, "is no known key");
+        return acquire_json_fail(j, key, "is not a known key");
     }
     return CLI_OK;
 }

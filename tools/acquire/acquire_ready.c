@@ -50,9 +50,10 @@ static outcome read_calibration(session *s) {
     outcome end =
         session_from_device(s, device_parameters_read(&s->device, CALIBRATED, &s->calibration), "answer");
     if (end == GOES_ON && s->calibration.now.source == 2)
-        session_tell(s, true,
-                     "what the device has kept is damaged: it uses what is compiled in; see palpate "
-                     "calibrate-device show");
+        session_tell(
+            s, true,
+            "the device's saved parameters are damaged, so it uses the compiled-in ones; see palpate "
+            "calibrate-device show");
     return end;
 }
 
@@ -72,7 +73,7 @@ outcome session_home(session *s) {
     snprintf(s->doing, sizeof s->doing, "homing");
     outcome end = session_order(s, &m, "home");
     end = end ? end : session_settle(s, 60);
-    return end || s->device.status.homed ? end : session_fail(s, "the plate has not come home");
+    return end || s->device.status.homed ? end : session_fail(s, "the plate did not reach home");
 }
 
 static outcome read_axis(session *s, uint8_t axis, double row_N[PALP_WIRE_CHANNELS]) {
@@ -104,22 +105,23 @@ outcome session_tare(session *s) {
     return end ? end : session_read_scale(s);
 }
 
-/* Why the search has found none, as the device says. */
+/* Why no contact was found, as the device reports. */
 static outcome say_no_contact(session *s, double travel_mm) {
     switch (s->device.status.search) {
     case PALP_WIRE_SEARCH_NO_AIR:
         return session_fail(
             s,
-            "contact: a force of %g N was met at once: is the plate in the specimen already, or "
+            "contact: the force reached %g N at once; is the plate already in the specimen, or "
             "--contact-N within the sensor's noise?",
             s->options->contact_N);
     case PALP_WIRE_SEARCH_NO_SLOPE:
         return session_fail(s,
-                            "contact: a force of %g N was met, but the sensor's noise hides whether it rises "
-                            "with depth: the specimen is too soft for this sensor, or the sensor drifts",
+                            "contact: the force reached %g N, but its rise with depth is hidden by noise: "
+                            "the specimen is too soft for this sensor, or the sensor drifts",
                             s->options->contact_N);
     default:
-        return session_fail(s, "no contact in %g mm of travel: is a specimen under the plate?", travel_mm);
+        return session_fail(s, "no contact within %g mm of travel; is a specimen under the plate?",
+                            travel_mm);
     }
 }
 
@@ -137,13 +139,14 @@ outcome session_find_contact(session *s) {
     return end;
 }
 
-/* What the device would refuse, or stop for, an hour later. */
+/* Checks a run before the session starts, as the device does when its turn comes. */
 outcome session_check_run(session *s, const acquire_run *r) {
     double above_mm = s->scale.count_mm * s->scale.contact, below_mm = 1e-6 * s->limits.travel_nm - above_mm;
     outcome end = session_segments(s, r);
     if (end == GOES_ON && r->deepest_mm > below_mm)
-        end = session_fail(s, "%s goes to %g mm, but the plate's travel ends %.2f mm below contact", r->name,
-                           r->deepest_mm, below_mm);
+        end =
+            session_fail(s, "%s goes to a depth of %g mm, but the plate's travel ends %.2f mm below contact",
+                         r->name, r->deepest_mm, below_mm);
     else if (end == GOES_ON && r->highest_mm < -above_mm)
         end = session_fail(s, "%s begins %g mm above contact, but home is only %.2f mm above it", r->name,
                            -r->highest_mm, above_mm);
@@ -163,7 +166,7 @@ outcome session_end_last(session *s) {
     outcome end = session_status(s);
     if (end || !session_moving(s))
         return end;
-    session_tell(s, true, "the device was still moving for a session that has gone: it withdraws first");
+    session_tell(s, true, "the device is still in a run of an earlier session; it withdraws first");
     end = session_order(s, &m, "stop");
     return end ? end : session_settle(s, 30);
 }
@@ -173,7 +176,7 @@ outcome session_make_ready(session *s) {
     outcome end = session_end_last(s);
     end = end ? end : session_configure(s);
     if (end == GOES_ON && keep && !s->device.status.contact_known)
-        end = session_fail(s, "the device knows no contact to keep: leave out --keep-contact");
+        end = session_fail(s, "the device knows no contact; leave out --keep-contact");
     end = end || keep ? end : session_home(s);
     end = end ? end : session_tare(s);
     end = end || keep ? end : session_find_contact(s);

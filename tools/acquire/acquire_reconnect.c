@@ -42,8 +42,8 @@ static outcome go_on(session *s, uint32_t serial, const palp_wire_status *then) 
         return session_fail(s, "another device answers at %s", s->options->where);
     if (now->tick - then->tick > INT32_MAX || moved)
         return session_fail(
-            s, "the device has restarted while it was not connected: home, tare and contact are lost");
-    session_tell(s, false, "connected again after %.1f s of the device's time",
+            s, "the device restarted while it was disconnected: home, tare and contact are lost");
+    session_tell(s, false, "reconnected after %.1f s of the device's time",
                  s->scale.tick_s * (now->tick - then->tick));
     outcome end = session_configure(s);
     return end || !quiet ? end : session_stream(s, false);
@@ -53,7 +53,7 @@ outcome session_reconnect(session *s) {
     const palp_wire_status then = s->device.status;
     const uint32_t serial = s->device.info.serial;
     const double patience_s = s->options->reconnect_s;
-    session_tell(s, true, "%s, %s: waiting for it for %.0f s", s->device.why, s->doing, patience_s);
+    session_tell(s, true, "%s, %s: waiting %.0f s for a connection", s->device.why, s->doing, patience_s);
     s->reconnect = NULL; /* a link that breaks again at once is not tried again */
     outcome end = wait_for_it(s, patience_s);
     end = end ? end : go_on(s, serial, &then);

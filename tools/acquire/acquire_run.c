@@ -10,7 +10,7 @@ static const double TRIGGER_S = 1e6; /* nobody knows when its camera will start 
 
 /* ---- one run ---- */
 
-/* Where this run's force rose, against the contact that was found at first. */
+/* Warns if the force of this run rises at another depth than the contact found before the first run. */
 static void check_contact(const session *s) {
     const double early_mm = -0.1, late_mm = 0.25;
     double at_mm = s->file.figures.contact_mm;
@@ -18,7 +18,7 @@ static void check_contact(const session *s) {
         return;
     session_tell(s, true, "%s: contact at %.2f mm: the specimen %s", s->file.path, at_mm,
                  at_mm > 0 ? "has not recovered (raise --rest-s), or has moved"
-                           : "has risen or moved; let it settle and start again");
+                           : "has risen or moved; let it recover and start again");
 }
 
 static void say_run(const session *s) {
@@ -31,18 +31,16 @@ static void say_run(const session *s) {
                  missing);
 }
 
-/* What the device holds a run to: a force that passes its limit is to rise by no more than that limit until
- * the motor is off. */
+/* The device refuses speeds at which the force may grow to twice its limit before the motor is off. */
 static outcome out_of_range(session *s) {
     static const double BLIND_S = 2e-3; /* until the motor is off */
     const double k = 1e-3 * s->device.status.stiffness_mN_m, force_N = 1e-6 * s->limits.force_uN;
     const double moving_kg = device_parameter_value(&s->calibration, "moving_kg", 0);
     char speed[80] = "";
     if (k > 0 && moving_kg > 0)
-        snprintf(speed, sizeof speed, "faster than %.3g mm/s into its %.4g N/m, ",
+        snprintf(speed, sizeof speed, "faster than %.3g mm/s into a stiffness of %.4g N/m, ",
                  1e3 * force_N / (sqrt(k * moving_kg) + BLIND_S * k), k);
-    return session_fail(s,
-                        "the device refuses %s: it would move %sbeyond %g N, or out of its travel of %g mm",
+    return session_fail(s, "the device refuses %s: it may move %sexceed %g N, or leave its travel of %g mm",
                         s->run->name, speed, force_N, 1e-6 * s->limits.travel_nm);
 }
 
@@ -58,8 +56,8 @@ static outcome start_run(session *s) {
     if (end == FAILED && s->device.refusal == PALP_WIRE_RESULT_UNSTABLE)
         return session_fail(
             s,
-            "the device refuses %s: control of force is not stable on the %.3g N/m that were found "
-            "(doc/control.md has the range)",
+            "the device refuses %s: force control is not stable at the measured stiffness of %.3g N/m "
+            "(see doc/control.md for the range)",
             s->run->name, 1e-3 * s->device.status.stiffness_mN_m);
     return end == FAILED && s->device.refusal == PALP_WIRE_RESULT_RANGE ? out_of_range(s) : end;
 }
@@ -118,7 +116,7 @@ static outcome end_run(session *s, outcome end, const char *cause) {
         return end;
     if (!s->file.started) {
         acquire_file_remove(&s->file);
-        return end ? end : session_fail(s, "no samples came, %s", s->doing);
+        return end ? end : session_fail(s, "no samples arrived, %s", s->doing);
     }
     acquire_live_end(&s->live);
     if (end == GOES_ON && acquire_file_lossy(&s->file.figures)) {
@@ -155,17 +153,18 @@ static void fault_words(const session *s, char words[ACQUIRE_WORDS]) {
     char when[ACQUIRE_TEXT], hint[ACQUIRE_TEXT] = "";
     int n = snprintf(when, sizeof when, "%s", s->doing);
     if (s->faulted_s >= 0)
-        snprintf(when + n, sizeof when - (size_t)n, " at %.3f s; %.300s holds what came before", s->faulted_s,
-                 s->file.path);
+        snprintf(when + n, sizeof when - (size_t)n, " at %.3f s; %.300s has the samples before it",
+                 s->faulted_s, s->file.path);
     if (strncmp(s->options->port, "rig", 3) != 0 && !s->watcher.stops)
-        snprintf(hint, sizeof hint, "; see to it, then palpate firmware clear-fault --port %.200s",
+        snprintf(hint, sizeof hint, "; remove the cause, then run palpate firmware clear-fault --port %.200s",
                  s->options->port);
     snprintf(words, ACQUIRE_WORDS, "the device stopped: %s (%s), %s%s", palp_wire_fault_name(now->fault),
              palp_wire_fault_text(now->fault), when, hint);
 }
 
 int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]) {
-    const char *kept = s->file.started ? s->file.path : NULL, *are = kept ? "; what came is in " : "";
+    const char *kept = s->file.started ? s->file.path : NULL,
+               *are = kept ? "; the samples so far are in " : "";
     const char *why = end == STOPPED ? "stopped" : s->why, *path = kept ? kept : "";
     words[0] = '\0';
     switch (end) {

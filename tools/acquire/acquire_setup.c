@@ -20,23 +20,24 @@ size_t acquire_setup_device(acquire_setup *u, cli_option *list) {
         cli_text("port", "PORT", &o->port,
                  "/dev/ttyACM0, pty:PATH, tcp:HOST:PORT, or rig[:MODEL.json]: the\n"
                  "virtual indenter, on a model or the thesis' phantom"),
-        cli_count("baud", "N", 1200, 4e6, &u->baud, "of a serial port (default 921600)"),
+        cli_count("baud", "N", 1200, 4e6, &u->baud, "baud rate of a serial port (default 921600)"),
         cli_choice("gains", "auto|0|1|2|3|4|5", &u->gains,
-                   "class of softness, 0 the softest (default auto: by the stiffness\n"
-                   "that finding contact measures)"),
+                   "control gains by class of stiffness, 0 the softest (default auto: by\n"
+                   "the stiffness measured while contact is found)"),
         cli_positive("contact-N", "F", 10, &o->contact_N,
-                     "force over that in the air that is contact (default 0.01)"),
-        cli_flag("keep-contact", &o->keep_contact, "keep the contact and home that the device knows"),
+                     "contact is where the force exceeds that in air by F newtons\n(default 0.01)"),
+        cli_flag("keep-contact", &o->keep_contact,
+                 "do not home and find contact again: use the device's values"),
         cli_positive("limit-force-N", "F", 1000, &o->limit_N,
-                     "stop at this force (default: the device's limit)"),
+                     "stop at this force, N (default: the device's limit)"),
         cli_positive("limit-travel-mm", "MM", 1000, &o->limit_mm,
-                     "go no lower than MM below home (default: the device's travel)"),
+                     "lowest place of the plate, mm below home (default: the device's travel)"),
         cli_positive("limit-winding-C", "T", 300, &o->limit_C,
-                     "stop at this temperature of the motor (likewise)"),
+                     "stop at this motor temperature (default: the device's limit)"),
         cli_number("host-timeout-s", "S", 0.1, 60, &o->host_timeout_s,
-                   "stop when nothing is heard from here for so long (default 5; the\n"
-                   "virtual indenter, which may be faster than our clock, 60)"),
-        cli_in("calibration", "FILE", &u->calibration, "rows of the force sensor's matrix, JSON"),
+                   "the device stops if this program is silent for S seconds (default 5;\n"
+                   "virtual indenter, whose clock may be faster: 60)"),
+        cli_in("calibration", "FILE", &u->calibration, "calibration matrix of the force sensor, JSON"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -47,10 +48,10 @@ size_t acquire_setup_specimen(acquire_setup *u, cli_option *list) {
     const cli_option all[] = {
         cli_heading("Specimen"),
         cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm,
-                     "height (default: the rig's model says it)"),
-        cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius"),
+                     "height, mm (default: from the virtual indenter's model)"),
+        cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius, mm"),
         cli_text("specimen-kind", "KIND", &o->specimen_kind, "cylinder, rigid or another word"),
-        cli_text("specimen-name", "NAME", &o->specimen, "name"),
+        cli_text("specimen-name", "NAME", &o->specimen, "name of the specimen"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -60,7 +61,7 @@ size_t acquire_setup_columns(acquire_setup *u, cli_option *list) {
     const cli_option all[] = {
         cli_flag("raw", &u->raw, "more columns: error, position and ADC counts, duty, flags"),
         cli_text("channels", "NAMES", &u->channels,
-                 "more columns: forces (Fx, Fy, Fz, Tx, Ty, Tz by the whole matrix),\n"
+                 "more columns: forces (Fx, Fy, Fz, Tx, Ty, Tz by the full matrix),\n"
                  "temperature (of the motor's case), or both: forces,temperature"),
     };
     memcpy(list, all, sizeof all);
@@ -83,7 +84,7 @@ static int set_columns(const char *name, acquire_setup *u) {
     return !u->channels || named
                ? CLI_OK
                : cli_usage_error(name,
-                                 "--channels wants forces, temperature or both with a comma, not \"%s\"",
+                                 "--channels must be forces, temperature or both with a comma, not \"%s\"",
                                  u->channels);
 }
 
@@ -94,7 +95,7 @@ int acquire_setup_check(const char *name, acquire_setup *u) {
         return cli_usage_error(name,
                                "name the device with --port; palpate acquire --list shows the serial ports");
     if (!u->session.out)
-        return cli_usage_error(name, "name a folder by --out DIR");
+        return cli_usage_error(name, "name the folder of the recordings by --out DIR");
     if (!is_rig(u) && rig_options_given(&u->rig))
         return cli_usage_error(name, "--%s needs --port rig", rig_options_given(&u->rig));
     const int code = set_columns(name, u);

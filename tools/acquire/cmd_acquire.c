@@ -27,33 +27,36 @@ enum { OWN_OPTIONS = 64 + ACQUIRE_SETUP_OPTIONS };
 static size_t plate_options(choice *c, cli_option *list) {
     acquire_motion *m = &c->motion;
     const cli_option all[] = {
-        cli_heading("What the plate does"),
-        cli_flag("static", &c->is_static, "press to --depth-mm at --rate-mm-s (0.1)"),
-        cli_numbers("ramp-hold", "MM,MM,...", 1000, &c->ramp_hold, "ramp to each depth, hold it, withdraw"),
+        cli_heading("Motion of the plate"),
+        cli_flag("static", &c->is_static, "press to --depth-mm at --rate-mm-s (default 0.1)"),
+        cli_numbers("ramp-hold", "MM,MM,...", 1000, &c->ramp_hold, "ramp to each depth, dwell, withdraw"),
         cli_count("cycles", "N", 1, 65535, &c->cycles,
-                  "from contact to --depth-mm and back at --rate-mm-s (1)"),
-        cli_flag("sweep", &c->sweep, "a sine of rising frequency about --depth-mm, after --hold-s (10)"),
-        cli_in("protocol", "FILE.json", &c->protocol, "the runs of a protocol file"),
+                  "N cycles from contact to --depth-mm and back, at --rate-mm-s (default 1)"),
+        cli_flag("sweep", &c->sweep,
+                 "a sine of rising frequency about --depth-mm, after --hold-s (default 10)"),
+        cli_in("protocol", "FILE.json", &c->protocol, "runs from a protocol file"),
         cli_flag("thesis-protocol", &c->thesis_protocol,
-                 "ramps of 1.5 to 7 mm and a static press to 9.7 mm in random order,\n"
-                 "the first again at the end, air before and after"),
-        cli_positive("depth-mm", "MM", 1000, &m->depth_mm, "depth, from contact"),
+                 "protocol of Sedef 2008: ramps of 1.5 to 7 mm and a static press to 9.7 mm\n"
+                 "in random order, the first repeated at the end, runs in air around them"),
+        cli_positive("depth-mm", "MM", 1000, &m->depth_mm, "depth below contact, mm"),
         cli_positive("rate-mm-s", "R", 1000, &m->rate_mm_s,
-                     "speed of the plate (--ramp-hold: instead of --ramp-s)"),
-        cli_positive("ramp-s", "S", 1e6, &m->ramp_s, "time from contact to depth (default 1)"),
-        cli_number("hold-s", "S", 0, 1e6, &m->hold_s, "time held (default 200)"),
+                     "speed of the plate, mm/s (--ramp-hold: instead of --ramp-s)"),
+        cli_positive("ramp-s", "S", 1e6, &m->ramp_s,
+                     "duration of the ramp from contact to depth, s (default 1)"),
+        cli_number("hold-s", "S", 0, 1e6, &m->hold_s, "duration of the dwell, s (default 200)"),
         cli_positive("amplitude-mm", "MM", 1000, &m->amplitude_mm,
-                     "of the sweep (default a tenth of the depth)"),
-        cli_positive("from-Hz", "F", 1000, &m->frequency_Hz, "where the sweep begins (default 0.1)"),
-        cli_positive("to-Hz", "F", 1000, &m->frequency_end_Hz, "and ends (default 10)"),
-        cli_positive("sweep-s", "S", 1e6, &m->duration_s, "time of the sweep (default 60)"),
+                     "amplitude of the sweep, mm (default: a tenth of the depth)"),
+        cli_positive("from-Hz", "F", 1000, &m->frequency_Hz,
+                     "first frequency of the sweep, Hz (default 0.1)"),
+        cli_positive("to-Hz", "F", 1000, &m->frequency_end_Hz,
+                     "last frequency of the sweep, Hz (default 10)"),
+        cli_positive("sweep-s", "S", 1e6, &m->duration_s, "duration of the sweep, s (default 60)"),
         cli_positive("acceleration-mm-s2", "A", 1e6, &m->acceleration_mm_s2,
-                     "rounds the corners (default 500)"),
-        cli_flag("smooth", &c->smooth,
-                 "corners without a jump of the acceleration; each takes twice as long"),
-        cli_number("air-mm", "MM", 0, 1000, &m->air_mm, "begin so far above contact (default 1)"),
-        cli_number("air-s", "S", 0, 1e6, &m->air_s, "and rest there for so long before (default 1)"),
-        cli_number("after-s", "S", 0, 1e6, &m->after_s, "and after the run (default 1)"),
+                     "acceleration of the plate at corners of its path, mm/s2 (default 500)"),
+        cli_flag("smooth", &c->smooth, "corners with continuous acceleration; each takes twice as long"),
+        cli_number("air-mm", "MM", 0, 1000, &m->air_mm, "start of a run above contact, mm (default 1)"),
+        cli_number("air-s", "S", 0, 1e6, &m->air_s, "rest there before the run, s (default 1)"),
+        cli_number("after-s", "S", 0, 1e6, &m->after_s, "rest there after the run, s (default 1)"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -63,20 +66,20 @@ static size_t session_options(choice *c, cli_option *list) {
     acquire_options *o = &c->setup.session;
     const cli_option all[] = {
         cli_heading("Session"),
-        cli_choice("order", "given|random", &c->order, "of the presses (default given)"),
-        cli_count("order-seed", "N", 0, 9e15, &c->order_seed, "which random order (default 1)"),
-        cli_flag("repeat-first", &c->repeat_first, "the first press again after the last"),
+        cli_choice("order", "given|random", &c->order, "order of the presses (default given)"),
+        cli_count("order-seed", "N", 0, 9e15, &c->order_seed, "seed of the random order (default 1)"),
+        cli_flag("repeat-first", &c->repeat_first, "repeat the first press after the last"),
         cli_number("rest-s", "S", 0, 1e6, &c->motion.rest_s,
-                   "the specimen rests between presses (default: as long as the last one\n"
-                   "took, at least 200)"),
+                   "recovery of the specimen between presses, s (default: duration of the\n"
+                   "last press, at least 200)"),
         cli_number("reconnect-s", "S", 0, 1e6, &o->reconnect_s,
-                   "wait so long for a cable that is pulled while nothing moves (60)"),
-        cli_choice(
-            "trigger-in", "mark|start", &c->trigger_in,
-            "a pulse at the indenter's input marks its sample; with start each run\nalso waits for one"),
-        cli_count(
-            "trigger-out", "N", 0, 65535, &o->trigger_every,
-            "a pulse with the first sample of each run and then with every Nth\n(0: with the first only)"),
+                   "time to plug a pulled cable in again while nothing moves, s (default 60)"),
+        cli_choice("trigger-in", "mark|start", &c->trigger_in,
+                   "trigger input of the indenter: mark: a pulse marks its sample; start: each\nrun also "
+                   "waits for a pulse"),
+        cli_count("trigger-out", "N", 0, 65535, &o->trigger_every,
+                  "trigger output: a pulse with the first sample of each run and with every\nNth after it "
+                  "(0: with the first only)"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -86,11 +89,11 @@ static size_t output_options(choice *c, cli_option *list) {
     acquire_options *o = &c->setup.session;
     const cli_option all[] = {
         cli_heading("Output"),
-        cli_text("out", "DIR", &o->out, "folder of the recordings; made if need be"),
-        cli_flag("force", &o->force, "overwrite recordings that are there"),
+        cli_text("out", "DIR", &o->out, "folder for the recordings; created if it does not exist"),
+        cli_flag("force", &o->force, "overwrite existing recordings"),
         cli_flag("live", &o->live, "draw the force in the terminal"),
         cli_flag("json", &c->json, "a summary as JSON on standard output"),
-        cli_flag("dry-run", &c->dry_run, "print the runs, with --json also their path; nothing is moved"),
+        cli_flag("dry-run", &c->dry_run, "print the runs, with --json also their paths, and move nothing"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];

@@ -59,17 +59,16 @@ static size_t list_runs(const calibrate_state *s, known_run *run) {
     return n;
 }
 
-/* Why nothing is carried over; NULL if it is. */
+/* Why the covariance cannot be carried over to the network; NULL if it can. */
 static const char *reason_not(const calibrate_state *s) {
     if (s->does_static && !s->static_lumped)
-        return "the static curve is a measured one";
+        return "the static curve is from a run, not from the lumped model";
     for (size_t i = 0; i < s->n_presses; i++)
         if (s->press[i].measured)
-            return "the presses are measured ones";
+            return "the presses are from runs, not from the lumped model";
     if (s->model.material.formulation != PALP_HISTORY)
         return "the formulation sedef2008 has no derivatives";
-    return palp_mesh_node_count(s->mesh) > NODES_MAX ? "the network is so large that it would take long"
-                                                     : NULL;
+    return palp_mesh_node_count(s->mesh) > NODES_MAX ? "the network is too large" : NULL;
 }
 
 static palp_status carry(calibrate_state *s, palp_error *error) {
@@ -105,6 +104,6 @@ int calibrate_known(const calibrate_options *o, calibrate_state *s) {
     if (!why && (status = carry(s, &error)) != PALP_OK)
         why = error.text[0] ? error.text : palp_status_text(status);
     if (why)
-        cli_warning(NAME, "the network does not say how well it is known, as the lumped model does: %s", why);
+        cli_warning(NAME, "the network has no covariance, as the lumped model has: %s", why);
     return CLI_OK;
 }

@@ -8,8 +8,8 @@
 static const char NAME[] = "calibrate";
 static const double PI = 3.14159265358979323846;
 
-/* What stands around the specimen stands around the network too; the numbers of a material effect are the
- * lumped specimen's, not an element's. The plain models are compared. */
+/* Effects of contact and instrument are copied to the network. A material effect has parameters of the lumped
+ * specimen, not of an element, and is left out. The fit compares the models without effects. */
 static void sort_effects(const calibrate_options *o, calibrate_state *s) {
     bool recorded = o->n_words > 1;
     size_t kept = 0;
@@ -19,42 +19,40 @@ static void sort_effects(const calibrate_options *o, calibrate_state *s) {
             s->model.effects[kept++] = s->lumped.effects[i];
             continue;
         }
-        cli_warning(
-            NAME, "%s: its effect %s is left out: %s", o->lumped, info->id,
-            recorded ? "the runs are met by a plain network"
-            : o->start
-                ? "the network keeps those of --start"
-                : "only the stiffness law and the arms become the network's; palpate explain finds the "
-                  "network's own");
+        cli_warning(NAME, "%s: its effect %s is left out: %s", o->lumped, info->id,
+                    recorded ? "a network is fitted to runs without effects"
+                    : o->start
+                        ? "the network keeps the effects of --start"
+                        : "its parameters do not hold for an element; palpate explain finds those of the "
+                          "network");
     }
     if (!o->start)
         s->model.n_effects = kept;
     for (size_t i = 0; o->start && i < s->model.n_effects; i++) {
         const palp_effect_info *info = palp_effect_look_up(s->model.effects[i].id);
         if (info->place == PALP_EFFECT_SPECIMEN)
-            cli_warning(NAME, "%s: the network is calibrated without its effect %s, which stays in the model",
-                        o->start, info->id);
+            cli_warning(NAME, "%s: its effect %s is kept in the model, but ignored by the fit", o->start,
+                        info->id);
     }
 }
 
 static int read_models(const calibrate_options *o, calibrate_state *s) {
-    int code =
-        open_model_of(NAME, o->lumped, PALP_MODEL_LUMPED,
-                      "is a network; name the lumped model to meet (a network to start from goes to --start)",
-                      &s->lumped, NULL);
+    int code = open_model_of(NAME, o->lumped, PALP_MODEL_LUMPED,
+                             "is a network; name a lumped model (the network to start from goes to --start)",
+                             &s->lumped, NULL);
     if (code)
         return code;
     if (s->does_relaxation && s->lumped.material.n_arms == 0)
-        return cli_failure(NAME, "%s: has no arms to relax; use --stage static", o->lumped);
+        return cli_failure(NAME, "%s: has no arms, so it cannot relax; use --stage static", o->lumped);
     if (s->does_relaxation && s->relaxation_method == METHOD_THREE_PHASE && s->lumped.material.n_arms > 1) {
-        return cli_failure(NAME, "%s: has %zu arms, --method three_phase handles one; use --method nlopt",
+        return cli_failure(NAME, "%s: has %zu arms, but --method three_phase fits one; use --method nlopt",
                            o->lumped, s->lumped.material.n_arms);
     }
     s->model = s->lumped;
     s->model.kind = PALP_MODEL_NETWORK;
     if (o->start) {
-        code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK, "--start wants a network model", &s->model,
-                             &s->source);
+        code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK,
+                             "is a lumped model, but --start needs a network", &s->model, &s->source);
         code = code ? code : open_refuse_mass(NAME, o->start, &s->model);
     }
     if (code == CLI_OK)
@@ -66,9 +64,9 @@ static int choose_lattice(const calibrate_options *o, const calibrate_state *s, 
     double nodes[3],
         size_mm[3] = {1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m};
     if (!cli_spread(&o->nodes, nodes))
-        return cli_usage_error(NAME, "--nodes wants one or three numbers, e.g. 5 or 5,7,5");
+        return cli_usage_error(NAME, "--nodes must be one or three numbers, e.g. 5 or 5,7,5");
     if (o->size_mm.n && !cli_spread(&o->size_mm, size_mm))
-        return cli_usage_error(NAME, "--size-mm wants one or three numbers, e.g. 24 or 24,30,24");
+        return cli_usage_error(NAME, "--size-mm must be one or three numbers, e.g. 24 or 24,30,24");
     memset(mesh, 0, sizeof *mesh);
     mesh->kind = PALP_MESH_LATTICE;
     mesh->neighbourhood = PALP_NEIGHBOURS_26;
@@ -155,7 +153,7 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
             TETRAHEDRA_MOST);
     if (fabs(s->height_m - s->lumped.height_m) > 1e-3 * s->lumped.height_m)
         cli_warning(NAME,
-                    "the network is %.4g mm high, the specimen of %s %.4g mm; depths stay the same in mm",
+                    "the network is %.4g mm high, but the specimen of %s is %.4g mm; depths in mm are equal",
                     1e3 * s->height_m, o->lumped, 1e3 * s->lumped.height_m);
     return CLI_OK;
 }

@@ -154,10 +154,9 @@ int calibrate_static(const calibrate_options *o, calibrate_state *s) {
     double deepest_m = s->depth_m[s->n_static - 1];
     note_buckling(s, c->buckled, c->stable_m, c->unstable_m);
     if (c->reached_m < 0.999 * deepest_m)
-        cli_warning(
-            NAME,
-            "the network's branch of equilibria ends at %.4g mm: beyond it the fit to %.4g mm is not met",
-            1e3 * c->reached_m, 1e3 * deepest_m);
+        cli_warning(NAME,
+                    "no equilibrium was found beyond %.4g mm: the law is not fitted from there to %.4g mm",
+                    1e3 * c->reached_m, 1e3 * deepest_m);
     return CLI_OK;
 }
 
@@ -292,10 +291,11 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
     palp_material start;
     progress bar;
     if (s->relaxation_method == METHOD_THREE_PHASE && s->n_presses > 1)
-        return cli_usage_error(NAME, "--method three_phase takes one run; start it once for each");
+        return cli_usage_error(NAME, "--method three_phase takes one run; run it once for each");
     if (is_large(s) && s->relaxation_method != METHOD_THREE_PHASE)
-        cli_warning(NAME, "a lattice of %d nodes a side takes the arms of so large a one (doc/meshes.md)",
-                    COARSE);
+        cli_warning(
+            NAME, "the arms are fitted on a lattice of %d nodes a side, not on the large one (doc/meshes.md)",
+            COARSE);
     relaxation_start(o, s, &start);
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *press = &s->press[i];
@@ -397,8 +397,8 @@ static void limit_range(calibrate_state *s) {
     if (palp_law_limit(law, top) || law->strain_max < top) {
         palp_law_limit(law, 0);
         cli_warning(NAME,
-                    "the element's force no longer rises at its largest strain of %.3g: the model does not "
-                    "say how far it holds",
+                    "an element's force no longer rises at the largest strain of %.3g: the model has no "
+                    "strain_max",
                     top);
     }
 }

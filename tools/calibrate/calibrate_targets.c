@@ -78,13 +78,13 @@ static palp_status press_from_lumped(const calibrate_options *o, const calibrate
 
 /* ---- from measured runs ---- */
 
-/* Samples ever deeper than the last one kept: what a slow press going down recorded. */
+/* Keeps each sample that is deeper than all before it. */
 static int static_from_run(const char *file, const palp_experiment *run, calibrate_state *s) {
     const double *depth_mm = palp_experiment_column(run, "depth_mm"),
                  *force_N = palp_experiment_column(run, "force_N");
     size_t rows = palp_experiment_rows(run);
     if (s->n_static)
-        return cli_failure(NAME, "%s: is the second static run; give one", file);
+        return cli_failure(NAME, "%s: is a second static run; give only one", file);
     s->depth_m = malloc((rows ? rows : 1) * sizeof *s->depth_m);
     s->force_N = malloc((rows ? rows : 1) * sizeof *s->force_N);
     if (!s->depth_m || !s->force_N)
@@ -103,8 +103,8 @@ static int static_from_run(const char *file, const palp_experiment *run, calibra
     }
     return s->n_static >= 10
                ? CLI_OK
-               : cli_failure(NAME, "%s: has %zu samples of increasing depth; a static run needs ten", file,
-                             s->n_static);
+               : cli_failure(NAME, "%s: has %zu samples of increasing depth, but a static run needs ten",
+                             file, s->n_static);
 }
 
 /* First row of the press: the last one in free air before the first contact. */
@@ -227,8 +227,8 @@ static int read_run(const char *file, calibrate_state *s) {
         static const char *const kinds[] = {"one press without a dwell", "a press and a dwell",
                                             "more than one press"};
         code = cli_failure(
-            NAME, "%s: its path is %s, which is of no use here; leave it out or choose another --stage", file,
-            kinds[kind]);
+            NAME, "%s: its path is %s, which this stage cannot use; leave it out or choose another --stage",
+            file, kinds[kind]);
     }
     palp_experiment_free(run);
     return code;
@@ -275,7 +275,7 @@ static int check_depths(const calibrate_state *s) {
     for (size_t i = 0; i < s->n_presses; i++)
         deepest = fmax(deepest, s->press[i].depth_m);
     if (deepest >= s->height_m)
-        return cli_usage_error(NAME, "a depth of %g mm is beyond the network's height of %g mm; press less",
+        return cli_usage_error(NAME, "a depth of %g mm exceeds the network's height of %g mm; press less",
                                1e3 * deepest, 1e3 * s->height_m);
     return CLI_OK;
 }

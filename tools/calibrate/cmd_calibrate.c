@@ -13,28 +13,30 @@ static const double LEAST_POISSON = 0.25, MOST_POISSON = 0.49;
 static size_t network_options(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
         cli_heading("Network"),
-        cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes, "nodes along x, y (the press), z of a lattice"),
+        cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes,
+                   "nodes of a lattice along x, y (direction of the press) and z"),
         cli_numbers("size-mm", "MM[,MM,MM]", 1e4, &o->size_mm,
                     "size of the lattice, mm (default: the specimen's height)"),
-        cli_in("mesh", "FILE.msh", &o->mesh, "instead: a Gmsh 4.1 file of tetrahedra or hexahedra"),
-        cli_positive("scale-mm", "MM", 1e6, &o->scale_mm, "length of the file's unit, mm (default 1)"),
+        cli_in("mesh", "FILE.msh", &o->mesh,
+               "instead of --nodes: a Gmsh 4.1 file of tetrahedra or hexahedra"),
+        cli_positive("scale-mm", "MM", 1e6, &o->scale_mm, "unit of length of the mesh file, mm (default 1)"),
         cli_flag("hex-diagonals", &o->hex_diagonals,
-                 "elements along the diagonals of the file's hexahedra too, without\n"
-                 "which they shear like a box without a back"),
+                 "also put elements on the diagonals of the file's hexahedra; without\n"
+                 "them the hexahedra have little resistance to shear"),
         cli_choice("scaling", "none|volume|continuum", &o->scaling,
-                   "how elements share in the material's stiffness: alike, as in Sedef\n"
-                   "2008; by volume (tetrahedra); or as an isotropic solid, tetrahedra\n"
-                   "with elements across the faces too (default)"),
+                   "stiffness of the elements: none: all equal, as in Sedef 2008; volume: by\n"
+                   "the volume of the tetrahedra; continuum: as an isotropic solid, for\n"
+                   "tetrahedra with elements across their faces (default)"),
         cli_positive("area-mm2", "MM2", 1e8, &o->area_mm2,
-                     "area that the scaled elements' N refer to, mm2 (default: the\n"
+                     "area by which a scaled element's K (N) is a modulus, mm2 (default: the\n"
                      "specimen's cross-section, or the mesh's volume over its height)"),
         cli_positive("poisson", "RATIO", MOST_POISSON, &o->poisson,
                      "Poisson's ratio of the network as a solid at rest, 0.25 to 0.49:\n"
                      "springs alone have 0.25 (default: that of --start, or 0.25); soft\n"
                      "tissue is near 0.45. Its cells then resist a change of volume"),
         cli_choice("branch", "continue|stable", &o->branch,
-                   "which equilibrium to follow where the network buckles: the one\n"
-                   "Newton's method follows (default), or descend to a stable one"),
+                   "equilibrium to follow where the network buckles: the one that\n"
+                   "Newton's method finds (default), or a stable one"),
     };
     memcpy(to, options, sizeof options);
     return sizeof options / sizeof options[0];
@@ -46,26 +48,25 @@ static size_t fit_options(calibrate_options *o, cli_option *to) {
         cli_choice("stage", "static|relaxation|all", &o->stage,
                    "the stiffness law, the arms, or both (default all)"),
         cli_choice("method", "nlopt|fixed_point|three_phase", &o->method,
-                   "nlopt: least squares (default); fixed_point and\n"
-                   "three_phase: the loops of Sedef 2008 (Figure 5.6, 5.21); with\n--stage all either of the "
-                   "two means "
-                   "both"),
+                   "nlopt: least squares (default); fixed_point and three_phase: the\n"
+                   "iterations of Sedef 2008 for the law and the arms (Figures 5.6 and\n"
+                   "5.21); with --stage all either name means both"),
         cli_choice("formulation", "history|sedef2008", &o->formulation,
-                   "how an element advances (default history: exact;\n"
-                   "sedef2008: Eq. 5.4, one arm)"),
+                   "time integration of an element: history: exact (default);\n"
+                   "sedef2008: Eq. 5.4, one arm"),
         cli_choice("dwell", "equilibrium|frozen", &o->dwell,
-                   "three_phase: in the hold nodes move to equilibrium (default), or\n"
+                   "three_phase: in the dwell nodes move to equilibrium (default), or\n"
                    "stay where the ramp leaves them, as in the tables of Sedef 2008"),
         cli_choice("law", "polynomial|spline", &o->law, "form of the stiffness law (default polynomial)"),
-        cli_count("degree", "N", 0, 12, &o->degree, "of the polynomial (default 4)"),
-        cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 8)"),
+        cli_count("degree", "N", 0, 12, &o->degree, "degree of the polynomial (default 4)"),
+        cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "number of knots of the spline (default 8)"),
         cli_count("arms", "N", 1, PALP_ARMS_MAX, &o->arms,
                   "Maxwell arms of an element (default: as many as the lumped model)"),
         cli_flag("strain-dependent", &o->strain_dependent,
-                 "arms whose stiffness grows with strain, K (1 + beta |e|)"),
+                 "let the stiffness of the arms grow with strain, K (1 + beta |e|)"),
         cli_in("start", "NETWORK.json", &o->start,
-               "first guess; --stage relaxation takes its law (default: a static\n"
-               "stage runs first), and its mesh unless --nodes or --mesh is given"),
+               "first guess. --stage relaxation takes its law (default: from a static\n"
+               "stage first), and its mesh unless --nodes or --mesh is given"),
     };
     memcpy(to, options, sizeof options);
     return sizeof options / sizeof options[0];
@@ -73,20 +74,22 @@ static size_t fit_options(calibrate_options *o, cli_option *to) {
 
 static size_t curve_options(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
-        cli_heading("Curves to meet (of the lumped model, unless runs of the wanted kind are given)"),
+        cli_heading(
+            "Target curves (from the runs of the kind that a stage needs, else from the lumped model)"),
         cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm,
-                    "static: deepest (default 9.7 of 24 mm); relaxation and all: depths of\n"
-                    "the holds (default 1.5,2,...,7 of 24 mm; three_phase: 6); the defaults are\n"
-                    "less where the lumped model was not measured so deep"),
+                    "static: largest depth (default for 24 mm of height: 9.7); relaxation, all:\n"
+                    "depths of the dwells (default 1.5,2,...,7; three_phase: 6); the defaults\n"
+                    "stay within the depths at which the lumped model was measured"),
         cli_count("steps", "N", 10, 1e7, &o->steps,
-                  "samples of the static curve (default 97000, 1e-4 mm each, as in the\n"
-                  "thesis: the residual is a 2-norm over them)"),
-        cli_positive("ramp-s", "S", 1e6, &o->ramp_s, "time of the ramp, s (default 1)"),
-        cli_number("hold-s", "S", 0, 1e6, &o->hold_s, "time held after it, s (default 200)"),
+                  "samples of the static curve (default 97000, 1e-4 mm each, as in Sedef\n"
+                  "2008; the residual is the 2-norm over all samples)"),
+        cli_positive("ramp-s", "S", 1e6, &o->ramp_s, "duration of the ramp, s (default 1)"),
+        cli_number("hold-s", "S", 0, 1e6, &o->hold_s, "duration of the dwell, s (default 200)"),
         cli_positive("dt-ms", "MS", 1e6, &o->dt_ms,
-                     "time step, ms (three_phase: default 1; nlopt: graded steps)"),
-        cli_flag("every-step", &o->every_step,
-                 "solve every sample of the static curve, not only as many as it takes"),
+                     "time step, ms (default: three_phase 1; nlopt: steps that grow in the dwell)"),
+        cli_flag(
+            "every-step", &o->every_step,
+            "solve every sample of the static curve (default: only as many as\nits interpolation needs)"),
     };
     memcpy(to, options, sizeof options);
     return sizeof options / sizeof options[0];
@@ -98,7 +101,7 @@ static size_t output_options(calibrate_options *o, cli_option *to) {
         cli_out("out", "NETWORK.json", &o->out, "the calibrated network"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
         cli_out("result", "RESULT.json", &o->result,
-                "the same into a file, with its figures, for palpate report"),
+                "the result and its figures as a file for palpate report"),
         cli_out("report", "PAGE.html", &o->report, "tables and figures on one page"),
     };
     memcpy(to, options, sizeof options);
@@ -114,8 +117,8 @@ static int parse(int argc, char **argv, calibrate_options *o) {
     const cli_command command = {
         NAME,
         "LUMPED.json [RUN.csv ...] --nodes N [options]",
-        "Finds the stiffness law and the arms of a network's elements with which its force meets that\n"
-        "of a lumped model, or of measured runs (protocol.kind static or ramp_hold).",
+        "Fits the stiffness law and the arms of a network's elements, so that its force equals that of a\n"
+        "lumped model, or of measured runs (protocol.kind static or ramp_hold).",
         "  palpate calibrate data/sedef2008/lumped_n2.json --nodes 5 --strain-dependent --out network.json\n"
         "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage static --method fixed_point "
         "--json\n",
@@ -132,7 +135,7 @@ static int check_mesh(const calibrate_options *o) {
     if (o->nodes.n && o->mesh)
         return cli_usage_error(NAME, "give either --nodes or --mesh");
     if (!o->nodes.n && !o->mesh && !o->start)
-        return cli_usage_error(NAME, "say which network: --nodes N, --mesh FILE.msh or --start NETWORK.json");
+        return cli_usage_error(NAME, "name the network: --nodes N, --mesh FILE.msh or --start NETWORK.json");
     if (o->size_mm.n && !o->nodes.n)
         return cli_usage_error(NAME, "--size-mm goes with --nodes");
     if ((o->scale_mm > 0 || o->hex_diagonals) && !o->mesh)
@@ -194,12 +197,9 @@ static int verdict(const calibrate_state *s) {
     bool missed_static = s->does_static && !s->static_result.converged;
     bool missed_relaxation = s->does_relaxation && !s->relaxation_result.converged;
     if (missed_static)
-        cli_warning(NAME,
-                    "the static stage stopped before it met its own criterion; the best law found is given");
+        cli_warning(NAME, "the static stage did not converge; the result is the best law found");
     if (missed_relaxation)
-        cli_warning(
-            NAME,
-            "the relaxation stage stopped before it met its own criterion; the best arms found are given");
+        cli_warning(NAME, "the relaxation stage did not converge; the result is the best arms found");
     return missed_static || missed_relaxation ? CLI_NOT_CONVERGED : CLI_OK;
 }
 

@@ -26,24 +26,23 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
     const cli_option own[] = {
         cli_heading("Steps"),
         cli_numbers("weights-g", "G,G,...", 1e5, &o->weights_g,
-                    "masses that are put on the sensor one after the other"),
-        cli_flag("hanging", &o->hanging, "they hang from the plate (default: they lie on it, turned up)"),
-        cli_flag("large-change", &o->large_change,
-                 "keep a sensitivity more than 20 % from the one in use: the masses are right"),
+                    "masses to put on the sensor one after the other, g"),
+        cli_flag("hanging", &o->hanging,
+                 "the masses hang from the plate (default: they lie on the sensor, turned up)"),
+        cli_flag("large-change", &o->large_change, "accept a sensitivity more than 20 % from the one in use"),
         cli_count("channel", "1..6", 1, 6, &o->channel,
-                  "only this input has a sensor, a load cell (default: all six, by their matrix)"),
-        cli_positive("gravity-m-s2", "G", 20, &o->gravity_m_s2, "where the device stands (default 9.80665)"),
-        cli_positive("average-s", "S", 60, &o->average_s,
-                     "each reading is the mean of S seconds (default 1)"),
+                  "input of a single load cell (default: a six-channel sensor with its matrix)"),
+        cli_positive("gravity-m-s2", "G", 20, &o->gravity_m_s2, "local gravity, m/s2 (default 9.80665)"),
+        cli_positive("average-s", "S", 60, &o->average_s, "average each reading over S seconds (default 1)"),
         cli_positive("force-N", "F", 1000, &o->force_N,
-                     "that the block is pressed with (default 40 % of the sensor's)"),
+                     "force on the block, N (default: 40 % of the sensor's range)"),
         cli_text("out-folder", "DIR", &o->setup.session.out,
-                 "folder of the runs that block and gains record (default .)"),
+                 "folder for the recordings of block and gains (default .)"),
         cli_heading("Output"),
-        cli_flag("yes", &o->yes, "keep results in the device without asking"),
-        cli_out("out", "FILE.json", &o->out, "what it is then set to, as a file that load takes"),
-        cli_flag("force", &o->setup.session.force, "overwrite a file that is there"),
-        cli_flag("json", &o->json, "as JSON"),
+        cli_flag("yes", &o->yes, "save results in the device without asking"),
+        cli_out("out", "FILE.json", &o->out, "the resulting parameters, as a file for the action load"),
+        cli_flag("force", &o->setup.session.force, "overwrite an existing file"),
+        cli_flag("json", &o->json, "the result as JSON on standard output"),
     };
     memcpy(options + n, own, sizeof own);
     n += sizeof own / sizeof own[0];
@@ -53,15 +52,13 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
         "ACTION --port PORT [options]\n"
         "       ACTION: weights | block | air | gains | show | set NAME=VALUE ... | load FILE.json | "
         "standard",
-        "Calibrates an indenter, a step at a time and best in this order: known masses on the sensor "
-        "(weights),\n"
-        "a press on a rigid block for the frame and the motor (block), the plate in the air for friction "
-        "and\n"
-        "noise (air), a sweep above something soft for the gains (gains). Shows what the device is set to, "
-        "sets\n"
-        "it by name, from a file, or back to what is compiled in. Keeps it in the device's flash, after "
-        "asking.\n"
-        "Every recording says the calibration that it was made with.",
+        "Calibrates an indenter in steps, best in this order: weights (known masses on the sensor), block "
+        "(a\n"
+        "press on a rigid block: compliance of the frame, force of the motor), air (motion in air: "
+        "friction,\n"
+        "noise), gains (a sweep above a soft specimen: gains of position control). Other actions show the\n"
+        "device's parameters, set them by name, load them from a file, or restore the compiled-in values.\n"
+        "Changes are saved in the device's flash after a question. Recordings name their calibration.",
         "  palpate calibrate-device weights --weights-g 50,100,200,500 --port /dev/ttyACM0\n"
         "  palpate calibrate-device show --port /dev/ttyACM0 --out machine.json\n"
         "  palpate calibrate-device set travel_m=0.028 --port /dev/ttyACM0\n"
@@ -105,7 +102,7 @@ int cmd_calibrate_device(int argc, char **argv) {
     o.setup.session.command = NAME;
     o.setup.session.out = o.setup.session.out ? o.setup.session.out : ".";
     if (!action)
-        return cli_usage_error(NAME, "say what to do: %s", LIST);
+        return cli_usage_error(NAME, "name an action: %s", LIST);
     code = acquire_setup_check(NAME, &o.setup);
     for (size_t i = 0; i < ACTIONS && code == CLI_OK; i++)
         if (strcmp(action, actions[i].name) == 0)

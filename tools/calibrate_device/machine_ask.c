@@ -20,8 +20,10 @@ int machine_idle(device *d) {
     device_result result = device_do(d, PALP_WIRE_TYPE_GET_STATUS, &got);
     for (int i = 0; result == DEVICE_OK && d->status.state != PALP_WIRE_STATE_IDLE && i < IDLE_TRIES; i++) {
         if (d->status.state == PALP_WIRE_STATE_FAULT) {
-            cli_failure(NAME, "the device has stopped: %s (%s); see to it, then palpate firmware clear-fault",
-                        palp_wire_fault_name(d->status.fault), palp_wire_fault_text(d->status.fault));
+            cli_failure(
+                NAME,
+                "the device has stopped: %s (%s); remove the cause, then run palpate firmware clear-fault",
+                palp_wire_fault_name(d->status.fault), palp_wire_fault_text(d->status.fault));
             return CLI_DEVICE_FAULT;
         }
         if (d->status.state != PALP_WIRE_STATE_BOOT)

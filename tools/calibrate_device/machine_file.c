@@ -43,9 +43,9 @@ static void print(const device_parameters *p) {
     printf("calibration %08x, from %s, of %s%s\n", (unsigned)p->now.id, device_source_text(p->now.source),
            *date ? date : "no date",
            p->now.id == p->now.stored_id ? ""
-           : p->now.stored_id            ? "; changed since it was kept"
-                                         : "; not kept");
-    printf("%-20s %12s %12s %12s %12s\n", "name", "value", "compiled in", "least", "most");
+           : p->now.stored_id            ? "; changed since it was saved"
+                                         : "; not saved");
+    printf("%-20s %12s %12s %12s %12s\n", "name", "value", "compiled in", "lowest", "highest");
     for (size_t i = 0; i < p->n; i++) {
         const device_parameter *one = &p->one[i];
         char name[PALP_WIRE_PARAMETER_NAME + 8];
@@ -65,8 +65,8 @@ int machine_show(const machine_options *o, session *s) {
     if (result)
         return machine_failure(d, result);
     if (p.now.bad > 0)
-        cli_warning(NAME, "%u damaged records in its flash; in use is what is %s", (unsigned)p.now.bad,
-                    p.now.source == 1 ? "in the last good one" : "compiled in");
+        cli_warning(NAME, "%u damaged records in the device's flash; its parameters are those %s",
+                    (unsigned)p.now.bad, p.now.source == 1 ? "of the last intact record" : "compiled in");
     int code = o->out ? json_save(NAME, file_of(d, &p), o->out) : CLI_OK;
     if (code == CLI_OK && o->json)
         return json_print(NAME, file_of(d, &p));
@@ -84,7 +84,7 @@ static int read_word(const device_parameters *p, const char *word, machine_chang
     const size_t length = strcspn(word, ".=");
     char *rest = NULL;
     if (!equals || length >= sizeof name)
-        return cli_usage_error(NAME, "set wants NAME=VALUE, not \"%s\"", word);
+        return cli_usage_error(NAME, "set needs NAME=VALUE, not \"%s\"", word);
     snprintf(name, sizeof name, "%.*s", (int)length, word);
     const unsigned long index = word[length] == '.' ? strtoul(word + length + 1, &rest, 10) : 0;
     change->one = device_parameter_find(p, name, index);
@@ -99,7 +99,7 @@ static int read_word(const device_parameters *p, const char *word, machine_chang
         return cli_usage_error(NAME, "%s has %u values: name one as %s.0 to %s.%u", name,
                                (unsigned)change->one->count, name, name, change->one->count - 1u);
     if (!cli_read_number(equals + 1, &change->value))
-        return cli_usage_error(NAME, "%s wants a number, not \"%s\"", name, equals + 1);
+        return cli_usage_error(NAME, "%s must be a number, not \"%s\"", name, equals + 1);
     return CLI_OK;
 }
 
@@ -136,7 +136,7 @@ int machine_change_all(const machine_options *o, device *d, size_t n, const mach
     code = code ? code : machine_idle(d);
     if (code)
         return code;
-    if (!machine_agrees(o, "Set this, and keep it in the device?"))
+    if (!machine_agrees(o, "Set these parameters and save them in the device?"))
         return cli_failure(NAME, "nothing is changed");
     device_result result = DEVICE_OK;
     size_t done = 0;
@@ -157,7 +157,7 @@ int machine_set(const machine_options *o, session *s) {
     device_parameters p;
     machine_change change[MACHINE_WORDS];
     if (o->n_words == 0)
-        return cli_usage_error(NAME, "set wants NAME=VALUE");
+        return cli_usage_error(NAME, "set needs NAME=VALUE");
     device_result result = device_parameters_read(d, DEVICE_PARAMETERS, &p);
     int code = result ? machine_failure(d, result) : CLI_OK;
     for (size_t i = 0; i < o->n_words && code == CLI_OK; i++)
@@ -191,7 +191,7 @@ static int take_value(const acquire_json *j, const char *key, const json_t *valu
     const device_parameter *one = device_parameter_find(p, key, 0);
     snprintf(where, sizeof where, "parameters.%s", key);
     if (!one)
-        return acquire_json_fail(j, where, "is no parameter of this device");
+        return acquire_json_fail(j, where, "is not a parameter of this device");
     if (one->count == 1)
         return take_number(j, where, value, one, &change[(*n)++]);
     if (json_array_size(value) != one->count)
@@ -219,7 +219,7 @@ int machine_load(const machine_options *o, session *s) {
     acquire_json j;
     size_t n = 0;
     if (o->n_words != 1)
-        return cli_usage_error(NAME, "load wants one FILE.json");
+        return cli_usage_error(NAME, "load needs one FILE.json");
     int code = acquire_json_open(o->word[0], "machine", &j);
     if (code)
         return code;

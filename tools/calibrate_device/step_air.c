@@ -77,7 +77,7 @@ static outcome one_pass(airing *a, double to_mm, double rate_mm_s, pass *p) {
     a->trace->on = true;
     outcome end = jog(a->s, to_mm, rate_mm_s);
     a->trace->on = false;
-    return end || middle(a, p) ? end : session_fail(a->s, "too few samples came at %g mm/s", rate_mm_s);
+    return end || middle(a, p) ? end : session_fail(a->s, "too few samples arrived at %g mm/s", rate_mm_s);
 }
 
 static outcome down_and_up(airing *a, double rate_mm_s) {
@@ -135,15 +135,15 @@ static int keep(const airing *a, const device_parameters *p, machine_result *res
     }
     if (!machine_fit(a->n, 2, x, a->half_N, 0, line, NULL) ||
         !machine_fit(a->n, 1, one, a->mean_N, 0, &lift, NULL))
-        return cli_failure(NAME, "the passes do not tell friction from drag");
-    machine_tell(result, "friction_N", line[0].value, line[0].half, "of the drive, at any speed");
+        return cli_failure(NAME, "the passes do not separate friction from drag");
+    machine_tell(result, "friction_N", line[0].value, line[0].half, "friction of the drive, at any speed");
     machine_tell(result, "motor_drag_Ns_m", line[1].value, line[1].half,
-                 "with the motor's own, for each m/s");
+                 "drag including the motor's, per m/s");
     machine_tell(result, "lift_N", lift.value, lift.half,
-                 "of the balance: above 0 the plate rises without current");
+                 "excess of the counterbalance: above 0 the plate rises without current");
     machine_tell(result, "ripple_N", a->ripple_N, NAN,
-                 "of the motor's force at an even speed, means of 20 ms");
-    machine_tell(result, "noise_N", a->noise_N, NAN, "of the sensor, standard deviation of a sample");
+                 "ripple of the motor's force at constant speed, means of 20 ms");
+    machine_tell(result, "noise_N", a->noise_N, NAN, "noise of the sensor, standard deviation of a sample");
     const machine_change change[] = {{device_parameter_find(p, "friction_N", 0), fmax(0, line[0].value)},
                                      {device_parameter_find(p, "lift_N", 0), lift.value},
                                      {device_parameter_find(p, "ripple_N", 0), a->ripple_N},
@@ -167,8 +167,7 @@ int step_air(const machine_options *o, session *s) {
     a.high_mm = fmin(TOP_MM + STROKE_MM, 1e3 * device_parameter_value(&p, "travel_m", 0) - TOP_MM);
     char prompt[160];
     snprintf(prompt, sizeof prompt,
-             "Nothing may be in the plate's way for %.0f mm below home; it will move. Press Enter.",
-             a.high_mm + 1);
+             "The plate will move: clear its way for %.0f mm below home, then press Enter.", a.high_mm + 1);
     if (!machine_ready_unless(o, prompt))
         return cli_failure(NAME, "cancelled: nothing is changed");
     s->watcher = (session_watcher){machine_trace_heard, NULL, NULL, &trace};

@@ -94,10 +94,10 @@ static int keep(const machine_options *o, session *s, const machine_trace *trace
     if (code)
         return code;
     if (!motor_share(s, trace, force_N, motor_N, c))
-        return cli_failure(NAME, "the press was too short to tell the motor's force");
+        return cli_failure(NAME, "the press was too short to measure the motor's force");
     const double share = c[2].value, half = motor_N * c[2].half / (share * share);
     machine_tell(result, "frame_mm_N", 1e3 * frame.compliance_m_N, 5e2 * (frame.high_m_N - frame.low_m_N),
-                 "how far the frame gives way");
+                 "compliance of the frame");
     machine_tell(result, "motor_N", motor_N / share, half, "force of the motor at full duty, by the sensor");
     const machine_change change[] = {{device_parameter_find(p, "compliance_m_N", 0), frame.compliance_m_N},
                                      {device_parameter_find(p, "motor_N", 0), motor_N / share},
@@ -111,9 +111,9 @@ static outcome press(const machine_options *o, session *s, double force_N, machi
         return end;
     const double stiffness_N_m = 1e-3 * s->device.status.stiffness_mN_m;
     if (!(stiffness_N_m > SOFT_N_M))
-        return session_fail(s, "%.3g N/m is no rigid block", stiffness_N_m);
+        return session_fail(s, "a stiffness of %.3g N/m is not that of a rigid block", stiffness_N_m);
     if (!plan_press(o->plan, 1e3 * force_N / stiffness_N_m))
-        return session_fail(s, "the press has no room");
+        return session_fail(s, "the plate's travel is too short for the press on the block");
     end = session_check_run(s, &o->plan->run[0]);
     trace->on = true;
     return end ? end : session_run(s, 0);
@@ -130,7 +130,7 @@ int step_block(const machine_options *o, session *s) {
     char prompt[160];
     o->plan->n = 0;
     snprintf(prompt, sizeof prompt,
-             "A rigid block (steel, flat) under the plate; it will be pressed with %.3g N. Press Enter.",
+             "Put a rigid block (steel, flat) under the plate, to be pressed with %.3g N, then press Enter.",
              force_N);
     if (!machine_ready_unless(o, prompt))
         return cli_failure(NAME, "cancelled: nothing is changed");

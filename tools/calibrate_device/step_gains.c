@@ -170,7 +170,8 @@ static int measure(session *s, machine_trace *trace, double motor_N, drive *d) {
     const signals g = {trace->list, keep_sweep(trace), 1e-3 * s->scale.count_mm, s->scale.tick_s, motor_N};
     if (identify(&g, d))
         return CLI_OK;
-    return cli_failure(NAME, "the sweep does not tell mass, drag and friction: %zu samples in a row", g.n);
+    return cli_failure(
+        NAME, "the sweep does not identify mass, drag and friction: it has %zu successive samples", g.n);
 }
 
 /* ---- gains ---- */
@@ -192,7 +193,8 @@ static int keep(const machine_options *o, session *s, const device_parameters *p
     size_t n = 0;
     for (size_t k = 0; k < CLASSES; k++, n += 3)
         if (!class_gains(p, k, d, &change[n]))
-            return cli_failure(NAME, "no gains of class %zu hold so light a plate with so much drag", k);
+            return cli_failure(
+                NAME, "no stable gains of class %zu exist for so light a plate with so much drag", k);
     change[n++] = (machine_change){device_parameter_find(p, "moving_kg", 0), d->mass_kg.value};
     change[n++] =
         (machine_change){device_parameter_find(p, "motor_drag_Ns_m", 0), fmax(0, d->drag_Ns_m.value)};
@@ -202,10 +204,10 @@ static int keep(const machine_options *o, session *s, const device_parameters *p
 }
 
 static void tell(machine_result *r, const drive *d) {
-    machine_tell(r, "moving_kg", d->mass_kg.value, d->mass_kg.half, "what moves");
-    machine_tell(r, "motor_drag_Ns_m", d->drag_Ns_m.value, d->drag_Ns_m.half, "for each m/s");
-    machine_tell(r, "friction_N", d->friction_N.value, d->friction_N.half, "at any speed");
-    machine_tell(r, "error_um", d->error_um, NAN, "of the plate in the sweep, rms");
+    machine_tell(r, "moving_kg", d->mass_kg.value, d->mass_kg.half, "moving mass");
+    machine_tell(r, "motor_drag_Ns_m", d->drag_Ns_m.value, d->drag_Ns_m.half, "drag, per m/s");
+    machine_tell(r, "friction_N", d->friction_N.value, d->friction_N.half, "friction, at any speed");
+    machine_tell(r, "error_um", d->error_um, NAN, "control error of the plate in the sweep, rms");
 }
 
 /* Repeats the sweep with the values found, and with the gains that follow from them. */
@@ -222,9 +224,10 @@ static int calibrate(const machine_options *o, session *s, machine_trace *trace,
     code = code ? code : measure(s, trace, motor_N, &after);
     if (code)
         return code;
-    machine_tell(result, "error_after_um", after.error_um, NAN, "the same with the new gains");
+    machine_tell(result, "error_after_um", after.error_um, NAN, "control error with the new gains");
     if (after.error_um > WORSE * before.error_um)
-        cli_warning(NAME, "the new gains follow less well: go back by load, or by standard");
+        cli_warning(NAME,
+                    "the control error grew with the new gains; restore the old ones by load or standard");
     return CLI_OK;
 }
 
@@ -236,11 +239,11 @@ int step_gains(const machine_options *o, session *s) {
     if (read)
         return machine_failure(&s->device, read);
     if (!plan_sweep(o->plan))
-        return cli_failure(NAME, "the sweep has no room");
+        return cli_failure(NAME, "the plate's travel is too short for the sweep");
     if (!machine_ready_unless(
             o,
-            "Something soft under the plate, 6 mm or more below home; the plate will touch it and then shake "
-            "above it. Press Enter."))
+            "Put a soft specimen under the plate, 6 mm or more below home; the plate will touch it and then "
+            "oscillate above it. Press Enter."))
         return cli_failure(NAME, "cancelled: nothing is changed");
     s->watcher = (session_watcher){machine_trace_heard, NULL, NULL, &trace};
     int code = calibrate(o, s, &trace, &p, &result);

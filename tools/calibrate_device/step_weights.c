@@ -60,7 +60,7 @@ static outcome measure(weighing *w, station *at) {
     at->mean = sum / at->n;
     at->read_N = used / at->n;
     at->sd = sqrt(fmax(0, square / at->n - at->mean * at->mean));
-    return end || t->n > 1 ? end : session_fail(w->s, "no samples came");
+    return end || t->n > 1 ? end : session_fail(w->s, "no samples arrived");
 }
 
 static outcome weigh(weighing *w, double mass_g) {
@@ -127,12 +127,12 @@ static int check_change(const weighing *w) {
     const double ratio = (most->read_N - w->station[0].read_N) / most->force_N;
     if ((ratio > 1 / LARGE && ratio < LARGE) || w->o->large_change)
         return CLI_OK;
-    cli_warning(NAME, "with the calibration in use %.4g N read as %.4g N: that is more than 20 %% off",
+    cli_warning(NAME, "the calibration in use reads %.4g N as %.4g N, which is more than 20 %% off",
                 most->force_N, ratio * most->force_N);
     if (w->o->yes)
-        return cli_failure(NAME,
-                           "nothing is changed: see that the masses are as named; --large-change keeps it");
-    return machine_agrees(w->o, "Are the masses as named, and is it to be changed by so much?")
+        return cli_failure(
+            NAME, "nothing is changed: check the masses; --large-change accepts the new sensitivity");
+    return machine_agrees(w->o, "Are the masses right, and shall the sensitivity change by so much?")
                ? CLI_OK
                : cli_failure(NAME, "nothing is changed");
 }
@@ -153,11 +153,11 @@ static int keep(const weighing *w, const weighed *r, const device_parameters *p)
 
 static void tell(const weighing *w, const weighed *r, machine_result *result) {
     machine_tell(result, w->o->channel ? "counts_N" : "reads_N_N", r->slope.value, r->slope.half,
-                 w->o->channel ? "counts a newton" : "a newton reads as so many, with the matrix in use");
-    machine_tell(result, "zero", r->zero.value, r->zero.half, "reading with nothing on it");
+                 w->o->channel ? "counts per newton" : "reading of one newton by the matrix in use");
+    machine_tell(result, "zero", r->zero.value, r->zero.half, "reading without a mass");
     machine_tell(result, "linearity_percent", r->linearity_percent, NAN,
-                 "farthest from the line, of the largest force");
-    machine_tell(result, "drift_N", r->drift_N, NAN, "of the zero, from the first to the last");
+                 "largest deviation from a line, relative to the largest force");
+    machine_tell(result, "drift_N", r->drift_N, NAN, "drift of the zero from the first reading to the last");
     machine_tell(result, "noise_N", r->noise_N, NAN, "standard deviation of a sample");
 }
 
@@ -168,7 +168,7 @@ int step_weights(const machine_options *o, session *s) {
     weighing w = {.o = o, .s = s, .trace = &trace};
     machine_result result = {.step = "weights"};
     if (o->weights_g.n < 2)
-        return cli_usage_error(NAME, "name two masses or more by --weights-g 50,100,200");
+        return cli_usage_error(NAME, "give two masses or more by --weights-g 50,100,200");
     int code = machine_idle(&s->device);
     device_result read = code ? DEVICE_OK : device_parameters_read(&s->device, DEVICE_PARAMETERS, &p);
     if (code || read)
@@ -184,10 +184,10 @@ int step_weights(const machine_options *o, session *s) {
     if (code)
         return code;
     if (!fit(&w, &r))
-        return cli_failure(NAME, "the sensor does not see the masses: what it reads does not follow them");
+        return cli_failure(NAME, "the sensor's reading does not change with the masses");
     tell(&w, &r, &result);
     if (r.slope.value < 0 && !o->channel)
-        cli_warning(NAME, "the force reads the wrong way round: its sign is turned");
+        cli_warning(NAME, "the force has the wrong sign, which is corrected");
     code = keep(&w, &r, &p);
     return machine_finish(o, &result, code);
 }

@@ -64,8 +64,8 @@ int characterize_contacts(const characterize_options *o, characterize_state *s) 
         move_contacts(s, &fit);
         if (s->contact == PALP_CONTACT_FREE)
             characterize_warn(s,
-                              "contacts differ from run to run by %.3g mm (sd): each is found with the "
-                              "model; --contact known takes those of the runs",
+                              "contact differs between runs by %.3g mm (sd) and is fitted with the model; "
+                              "--contact known takes it from the recordings",
                               1e3 * fit.contact_scatter_m);
     }
     palp_lumped_fit_free(&fit);

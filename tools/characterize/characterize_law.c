@@ -157,8 +157,7 @@ int characterize_choose_law(const characterize_options *o, characterize_state *s
     if (status)
         return cli_status(NAME, status, &error);
     if (one_ramp(s))
-        characterize_warn(s, "one ramp to one depth at one speed: K(e) and arms faster than the ramp cannot "
-                             "be told apart; add a slow "
-                             "static press, or other depths and speeds");
+        characterize_warn(s, "one ramp to one depth at one speed cannot separate K(e) from arms faster than "
+                             "the ramp; add a slow static press, or other depths and speeds");
     return CLI_OK;
 }

@@ -113,8 +113,8 @@ static int choose_arms(const characterize_options *o, characterize_state *s, pro
     status = status ? status : try_arms(s, settings, most, bar);
     s->arms.n = status ? 0 : most + 1;
     if (status == PALP_OK && s->n_arms < s->arms.best) {
-        characterize_warn(s, "of %zu arms the data tell only %zu apart; %zu are fitted", s->arms.best,
-                          s->n_arms, s->n_arms);
+        characterize_warn(s, "the data identify only %zu of %zu arms; %zu are fitted", s->n_arms,
+                          s->arms.best, s->n_arms);
         s->arms.best = s->n_arms;
     }
     return status ? cli_status(NAME, status, &error) : CLI_OK;
@@ -130,7 +130,7 @@ static int fit_single(const characterize_options *o, characterize_state *s) {
             return cli_status(NAME, status, &error);
         s->n_single++;
         if (!s->single[i].converged)
-            characterize_warn(s, "%s: the fit of this depth alone stopped before it converged",
+            characterize_warn(s, "%s: the fit of this depth by itself did not converge",
                               s->run[s->n_static + i].name);
     }
     return CLI_OK;
@@ -195,23 +195,23 @@ static int assemble_grid(characterize_state *s) {
     palp_status status = s->n_static ? PALP_OK : characterize_law_of_depths(s, s->degree, &s->material.law);
     if (s->n_static)
         s->material.law = s->plain[0][s->degree];
-    return status ? cli_status_of(NAME, "the law through the depths' K_inf", status, NULL) : CLI_OK;
+    return status ? cli_status_of(NAME, "the law through K_inf of each depth", status, NULL) : CLI_OK;
 }
 
-/* The law holds to the deepest strain of the runs, and goes on along its tangent from there; where its force
- * no longer rises there, from the last strain where it does. */
+/* The law holds to the largest strain of the runs, or to the last strain at which its force rises. Beyond it
+ * the force follows its tangent. */
 static void limit_range(characterize_state *s) {
     double top = characterize_strain_max(s);
     if (palp_law_limit(&s->material.law, top) == PALP_OK && s->material.law.strain_max < top)
         characterize_warn(s,
-                          "the force of the law no longer rises from a strain of %.3g on, of %.3g measured: "
-                          "the model goes on along its tangent from there",
+                          "the law's force stops rising at a strain of %.3g, before the measured %.3g: "
+                          "beyond it the model is extended along its tangent",
                           s->material.law.strain_max, top);
 }
 
 /* ---- the verdict ---- */
 
-/* One sentence for all numbers that the data do not determine. */
+/* One sentence for all parameters that the data do not identify. */
 static void warn_undetermined(characterize_state *s, const palp_lumped_fit *fit) {
     char names[256] = "";
     size_t total = 0, told = 0, used = 0;
@@ -225,10 +225,10 @@ static void warn_undetermined(characterize_state *s, const palp_lumped_fit *fit)
             told++;
         }
     if (total > 0)
-        characterize_warn(s, "%s %s not determined by these data", names, total == 1 ? "is" : "are");
+        characterize_warn(s, "%s %s not identifiable from these data", names, total == 1 ? "is" : "are");
 }
 
-/* Runs that no law and arms of this kind follow: far beyond the noise, and a good part of the force. */
+/* Warns of the run with the largest relative residual, if it is far above noise and 3 % of the peak. */
 static void warn_misfit(characterize_state *s, const palp_lumped_fit *fit) {
     const double noises = 3.0, share = 0.03;
     size_t worst = fit->n_runs;
@@ -244,9 +244,9 @@ static void warn_misfit(characterize_state *s, const palp_lumped_fit *fit) {
     }
     if (worst < fit->n_runs)
         characterize_warn(s,
-                          "%s: the model leaves %.2g %% of the peak (rms), %.2g times the noise: this law "
-                          "and these arms do not follow "
-                          "the runs; --arms auto may, else palpate explain tells what is missing",
+                          "%s: the residual is %.2g %% of the peak (rms), %.2g times the noise: this law "
+                          "and these arms do not fit; "
+                          "try --arms auto, or palpate explain to find a missing effect",
                           s->run[worst].name, 100 * most,
                           characterize_noise_ratio(fit, worst, &s->run[worst]));
 }
@@ -255,13 +255,14 @@ static void judge(characterize_state *s) {
     const palp_lumped_fit *fit = characterize_fit_of(s);
     double top = characterize_strain_max(s), lowest = palp_law_minimum(&s->material.law, top);
     if (lowest <= 0)
-        characterize_warn(
-            s,
-            "K(e) falls to %.3g N within the measured range: no physical law; try another --degree or --law",
-            lowest);
+        characterize_warn(s,
+                          "K(e) falls to %.3g N within the measured range, which is not physical; try "
+                          "another --degree or --law",
+                          lowest);
     else if (fit->constrained)
         characterize_warn(
-            s, "K(e) > 0 had to be enforced over the measured range; try a lower --degree or --law spline");
+            s,
+            "the constraint K(e) > 0 is active in the measured range; try a lower --degree or --law spline");
     for (size_t i = 0; i < s->n_static; i++) {
         const palp_law *plain = &s->plain[i][s->degree];
         if (plain->n && palp_law_minimum(plain, top) <= 0)
@@ -270,14 +271,14 @@ static void judge(characterize_state *s) {
     }
     if (fit->n_merged > 0)
         characterize_warn(
-            s, "%zu arm(s) merged with a neighbour: the data cannot tell their relaxation times apart",
+            s, "%zu arm(s) merged with a neighbour: the data do not separate their relaxation times",
             fit->n_merged);
     warn_undetermined(s, fit);
     warn_misfit(s, fit);
     if (s->has_shared && !s->shared.converged && s->has_final)
-        characterize_warn(s, "the fit of shared arms stopped before it converged");
+        characterize_warn(s, "the fit of shared arms did not converge");
     if (!fit->converged)
-        characterize_warn(s, "the fit stopped before it converged; the best parameters found are given");
+        characterize_warn(s, "the fit did not converge; the result is the best parameters found");
 }
 
 int characterize_model(const characterize_options *o, characterize_state *s) {
@@ -286,7 +287,7 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     if (grid && s->n_hold == 0)
         return cli_failure(NAME, "--method grid needs ramp-and-hold runs (protocol.kind: \"ramp_hold\")");
     if (!o->arms_auto && o->arms > 0 && s->n == s->n_static)
-        characterize_warn(s, "a ramp without a dwell alone tells nothing of arms: the model has none");
+        characterize_warn(s, "ramps without a dwell do not identify arms: the model has none");
     progress_start(&bar, "fitting");
     int code = fit_plain(o, s);
     code = code ? code : characterize_find_level(o, s);

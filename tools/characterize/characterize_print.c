@@ -12,7 +12,7 @@ enum { PAIRS_MAX = 12 };
 
 /* ---- numbers ---- */
 
-/* "7.608 +-0.012", half the interval; "?" for what the data do not tell. */
+/* "7.608 +-0.012", half the interval; "?" if the data do not identify it. */
 static void with_half(char text[2 * DIGITS_TEXT], const palp_estimate *e) {
     double half = 0.5 * (e->high - e->low);
     char value[DIGITS_TEXT], more[DIGITS_TEXT];
@@ -28,7 +28,7 @@ static void with_half(char text[2 * DIGITS_TEXT], const palp_estimate *e) {
 static void print_static(const characterize_state *s) {
     for (size_t i = 0; i < s->n_static; i++) {
         printf("Ramp without a dwell %s: plain polynomials F(e) (as Table 4.1)\n", s->run[i].name);
-        printf("  degree  norm residual (N)\n");
+        printf("  degree  residual norm (N)\n");
         for (size_t d = DEGREE_MIN; d <= DEGREE_MAX; d++) {
             if (s->plain[i][d].n) {
                 printf("  %6zu  %17.4g ", d, s->norm_N[i][d]);
@@ -41,14 +41,14 @@ static void print_static(const characterize_state *s) {
 static void print_scores(const characterize_scores *c, const char *what, bool rms) {
     if (c->n == 0)
         return;
-    printf("Held-out error (mean square over the noise variance of blocks left out of the fit)\n");
+    printf("Cross-validation: mean square error of held-out blocks over the noise variance\n");
     printf("  %8s  %12s  %17s%s\n", what, "error", "s.e. of the excess",
            rms ? "   residual rms / noise" : "");
     for (size_t k = 0; k < c->n; k++) {
         printf("  %8zu  %12.5g  %17.3g ", c->first + k, c->score[k], c->sd[k]);
         if (rms)
             printf("  %20.4g", c->rms_noise[k]);
-        printf(c->first + k == c->best ? "  <- taken\n" : "\n");
+        printf(c->first + k == c->best ? "  <- chosen\n" : "\n");
     }
 }
 
@@ -59,7 +59,8 @@ static void print_single(const characterize_state *s) {
     size_t arms = 0;
     for (size_t i = 0; i < s->n_single; i++)
         arms = s->single[i].material.n_arms > arms ? s->single[i].material.n_arms : arms;
-    printf("The hold of each depth alone (as Tables 4.2 and 4.3; +- 95 %%; ? = not determined)\n  depth (mm) "
+    printf("The dwell of each depth by itself (as Tables 4.2 and 4.3; +- 95 %%; ? = not identifiable)\n  "
+           "depth (mm) "
            " strain  %17s",
            "K_inf (N)");
     for (size_t j = 1; j <= arms; j++)
@@ -94,8 +95,8 @@ static void print_estimates(const palp_lumped_fit *f) {
             printf("  %-10s %14s   %s to %s %s\n", e->name, digits_text(value, e->value, half),
                    digits_text(low, e->low, half), digits_text(high, e->high, half), e->unit);
         else
-            printf("  %-10s %14s   not determined by these data (%.1g to %.1g %s)\n", e->name, "-", e->low,
-                   e->high, e->unit);
+            printf("  %-10s %14s   not identifiable from these data (%.1g to %.1g %s)\n", e->name, "-",
+                   e->low, e->high, e->unit);
     }
 }
 
@@ -129,7 +130,7 @@ static void print_arms(const palp_material *m) {
 static void print_shared(const characterize_options *o, const characterize_state *s) {
     if (!s->has_shared)
         return;
-    printf("Arms shared by the holds of all depths (as Tables 4.4 and 4.5; %s)\n",
+    printf("Arms shared by the dwells of all depths (as Tables 4.4 and 4.5; %s)\n",
            o->method == METHOD_GRID ? "grid of Section 4.3.3" : "nlopt");
     if (s->shared.n_estimates)
         print_estimates(&s->shared);
@@ -157,11 +158,11 @@ static void print_final(const characterize_state *s) {
     for (size_t i = 0; i < f->n_runs; i++)
         printf("  %-*s %9.4g  %12.4g  %22.3f %%\n", width, s->run[i].name, 1e3 * f->rms_N[i],
                characterize_noise_ratio(f, i, &s->run[i]), 100 * s->largest_N[i] / s->peak_N[i]);
-    printf("  total |residual| %.6g N; intervals widened %.3g times for misfit and coloured noise\n",
+    printf("  total |residual| %.6g N; intervals widened %.3g times for misfit and correlated noise\n",
            characterize_total(f), f->inflation);
 }
 
-/* Coefficients may mean nothing one by one; the force they make does. */
+/* Coefficients are strongly correlated, so the band is shown for the force. */
 static void print_band(const characterize_state *s) {
     if (s->n_band == 0)
         return;
@@ -174,12 +175,12 @@ static void print_band(const characterize_state *s) {
     }
 }
 
-/* The plain polynomial beside the joint law: what the arms add to a press that is not slow enough. */
+/* The plain polynomial beside the joint law: the force of arms that have not relaxed in a static run. */
 static void print_bias(const characterize_state *s) {
     if (s->n_static == 0 || !s->has_final || s->material.n_arms == 0)
         return;
     double top = s->run[0].deepest_m / s->run[0].height_m;
-    printf("Ramp without a dwell: the plain polynomial takes the arms' force for the spring's\n");
+    printf("Ramp without a dwell: the plain polynomial counts the arms' force as the spring's\n");
     printf("  strain   plain K (N)   joint K (N)   plain / joint - 1\n");
     for (double e = 0.05; e <= top + 1e-9; e += 0.05) {
         double plain, joint;
@@ -218,11 +219,12 @@ static void print_spread(const characterize_state *s) {
 static void print_laws(const characterize_state *s) {
     if (s->laws.n == 0)
         return;
-    printf("The law by the error on what was left out of the fit (mean square over the noise variance)\n");
+    printf(
+        "Stiffness law by cross-validation: mean square error of held-out blocks over the noise variance\n");
     printf("  law               parameters         error  s.e. of the excess\n");
     for (size_t k = 0; k < s->laws.n; k++)
         printf("  %-16s %11zu  %12.5g  %18.3g%s\n", palp_law_kind_name(s->law[k].kind), s->law[k].n,
-               s->laws.score[k], s->laws.sd[k], k == s->laws.best ? "   taken" : "");
+               s->laws.score[k], s->laws.sd[k], k == s->laws.best ? "   chosen" : "");
 }
 
 int characterize_print(const characterize_options *o, const characterize_state *s) {

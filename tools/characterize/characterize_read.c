@@ -20,7 +20,7 @@ static void add(text_line *line, const char *format, double a, double b) {
     line->n = line->n < sizeof line->text ? line->n : sizeof line->text - 1;
 }
 
-/* One line for a run: contact, zero force, noise, and what is wrong with it. */
+/* One line for a run: contact, zero force, noise and defects. */
 static void tell(const palp_recording *r) {
     static const char *const kinds[] = {"ramp without a dwell", "ramp and hold", "press", "creep"};
     text_line line = {"", 0};
@@ -29,7 +29,7 @@ static void tell(const palp_recording *r) {
     add(&line,
         r->contact_rule == PALP_CONTACT_FREE_AIR ? " (free air)"
         : r->contact_rule == PALP_CONTACT_GIVEN  ? " (given)"
-                                                 : " (nominal: no free air in it)",
+                                                 : " (nominal, as there is no free air)",
         0, 0);
     add(&line, "; zero %.3g +- %.2g mN", 1e3 * r->zero_N, 1.96e3 * r->zero_sd_N);
     add(&line, "; noise %.3g mN", 1e3 * r->noise_N, 0);
@@ -47,7 +47,7 @@ static void tell(const palp_recording *r) {
     if (r->uneven)
         add(&line, "; uneven sampling", 0, 0);
     if (r->faulted)
-        add(&line, "; ended early by a fault", 0, 0);
+        add(&line, "; cut short by a fault", 0, 0);
     cli_note(NAME, "%s: %s%s", r->name, kinds[r->kind], line.text);
 }
 
@@ -63,7 +63,7 @@ static int take_one(const characterize_options *o, const char *file, const palp_
     settings.contact_m = settings.contact_given ? 1e-3 * o->contact_mm : 0;
     const char *none = open_no_specimen(experiment);
     if (none) {
-        cli_note(NAME, "%s: no specimen in it (\"%s\"); left out", file, none);
+        cli_note(NAME, "%s: left out, as it has no specimen (specimen.kind is \"%s\")", file, none);
         return CLI_OK;
     }
     palp_status status = palp_recording_prepare(experiment, file, &settings, &s->run[s->n], &error);
@@ -85,8 +85,7 @@ static int join(const characterize_options *o, palp_experiment **run) {
     for (size_t i = 0; i < o->n_words; i++) {
         const bool part = of[i] != i;
         if (part)
-            cli_note(NAME, "%s: goes on where %s ends, and is taken as one run with it", o->words[i],
-                     o->words[of[i]]);
+            cli_note(NAME, "%s: continues %s, and is joined to it as one run", o->words[i], o->words[of[i]]);
         if (part || whole[i]) {
             palp_experiment_free(run[i]);
             run[i] = whole[i];
@@ -123,14 +122,14 @@ static int filter_runs(const characterize_options *o, characterize_state *s) {
         s->filtered_N[i] = run_filter(r, s->cutoff_Hz);
         if (!s->filtered_N[i] && (o->fit_filtered || o->filter_Hz > 0))
             return cli_failure(NAME, "%s: cannot be filtered at %g Hz: %s", r->name, s->cutoff_Hz,
-                               r->uneven ? "its samples are not even in time"
-                                         : "too fast for its sampling rate");
+                               r->uneven ? "its samples are not evenly spaced in time"
+                                         : "its sampling rate is too low");
         if (o->fit_filtered)
             memcpy(r->force_N, s->filtered_N[i], r->n * sizeof *r->force_N);
     }
     if (o->fit_filtered)
         characterize_warn(
-            s, "fitted to the filtered force: the filter rounds the ramp, so that fast arms are biased");
+            s, "the model is fitted to the filtered force: the filter rounds the ramp and biases fast arms");
     return CLI_OK;
 }
 

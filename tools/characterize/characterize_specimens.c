@@ -55,16 +55,14 @@ static int add_to(characterize_state *s, size_t r, size_t k) {
         s->body[s->n_specimens++] = (characterize_body){.height_m = run->height_m};
     if (!close_to(body->height_m, run->height_m))
         return cli_failure(NAME,
-                           "%s: of a height of %g mm, but \"%s\", the same specimen, of %g mm; say by "
-                           "--specimens which run is of "
-                           "which, or give --specimen-height-mm",
+                           "%s: has a height of %g mm, but its specimen \"%s\" has %g mm; assign runs to "
+                           "specimens by --specimens, or give --specimen-height-mm",
                            run->name, 1e3 * run->height_m, characterize_specimen_name(s, k),
                            1e3 * body->height_m);
     if (body->radius_m > 0 && run->radius_m > 0 && !close_to(body->radius_m, run->radius_m))
         return cli_failure(NAME,
-                           "%s: of a radius of %g mm, but \"%s\", the same specimen, of %g mm; say by "
-                           "--specimens which run is of "
-                           "which, or give --specimen-radius-mm",
+                           "%s: has a radius of %g mm, but its specimen \"%s\" has %g mm; assign runs to "
+                           "specimens by --specimens, or give --specimen-radius-mm",
                            run->name, 1e3 * run->radius_m, characterize_specimen_name(s, k),
                            1e3 * body->radius_m);
     body->radius_m = fmax(body->radius_m, run->radius_m);
@@ -73,7 +71,7 @@ static int add_to(characterize_state *s, size_t r, size_t k) {
     return CLI_OK;
 }
 
-/* All runs as of one height and area, the mean ones, so that stress and strain stay. */
+/* Scales all runs to the mean height and area at unchanged stress and strain. */
 static int pool(characterize_state *s) {
     double height = 0, area = 0;
     size_t sized = 0;
@@ -85,8 +83,8 @@ static int pool(characterize_state *s) {
         differ = differ || !close_to(s->body[k].height_m, s->body[0].height_m);
     }
     if (sized < s->n_specimens && (differ || sized > 0))
-        return cli_failure(NAME, "specimens of different size are pooled in stress, which needs the area of "
-                                 "each; add lines # specimen.radius_mm: R, "
+        return cli_failure(NAME, "specimens of different size are pooled in stress, which needs their radii; "
+                                 "add lines # specimen.radius_mm: R, "
                                  "or give --specimen-radius-mm");
     for (size_t r = 0; r < s->n; r++) {
         const characterize_body *body = &s->body[s->specimen[r]];
@@ -97,8 +95,8 @@ static int pool(characterize_state *s) {
     return CLI_OK;
 }
 
-/* Runs of one size each with a name of its own: a specimen for each run tells nothing of how the runs of one
- * agree. */
+/* Runs of equal size that all have different names. A specimen for each run would leave its scatter between
+ * runs unknown. */
 static bool each_its_own(const characterize_state *s) {
     for (size_t r = 0; r < s->n; r++)
         for (size_t q = 0; q < r; q++)
@@ -111,9 +109,8 @@ int characterize_group(const characterize_options *options, characterize_state *
     characterize_options own = *options, *o = &own;
     int code = CLI_OK;
     if (o->specimens_by == SPECIMENS_AUTO && each_its_own(s)) {
-        cli_note(NAME,
-                 "each run names a specimen of its own: taken as runs of one; --specimens name tells them "
-                 "apart");
+        cli_note(NAME, "every run names another specimen: all are taken as runs of one; --specimens name "
+                       "separates them");
         o->specimens_by = SPECIMENS_ONE;
     }
     for (size_t r = 0; r < s->n && code == CLI_OK; r++) {
@@ -125,8 +122,8 @@ int characterize_group(const characterize_options *options, characterize_state *
     if (code == CLI_OK && s->n_specimens > 1 &&
         s->has_tip) { /* a tip's force is no stress: only the moduli are pooled */
         characterize_warn(s,
-                          "%zu specimens under a tip: their moduli are pooled; the lumped model is that of "
-                          "all runs as of one",
+                          "%zu specimens under a tip: their moduli are pooled; the lumped model is fitted to "
+                          "all runs as if of one specimen",
                           s->n_specimens);
         s->n_tip_specimens = s->n_specimens;
         s->n_specimens = 1;
@@ -186,13 +183,14 @@ palp_status characterize_fit_specimens(characterize_state *s, const palp_charact
     if (s->n_specimens < 2 || status || s->specimens.n_spread == 0) {
         if (s->n_specimens > 1 && status)
             characterize_warn(
-                s, "the specimens could not be fitted one by one (%s): all runs are fitted as of one",
+                s, "the specimens cannot be fitted each (%s): all runs are fitted as of one specimen",
                 why.text);
         else if (s->n_specimens > 1)
-            characterize_warn(s,
-                              "the %zu specimens do not differ by more than chance: the model is that of all "
-                              "runs as of one",
-                              s->n_specimens);
+            characterize_warn(
+                s,
+                "no significant difference between the %zu specimens: all runs are fitted as of "
+                "one specimen",
+                s->n_specimens);
         palp_specimens_fit_free(&s->specimens);
         return palp_characterize_fit(s->n, s->run, settings, &s->final, error);
     }
@@ -203,7 +201,7 @@ palp_status characterize_fit_specimens(characterize_state *s, const palp_charact
     return PALP_OK;
 }
 
-/* ---- what is said of it ---- */
+/* ---- output ---- */
 
 /* Place of parameter i of the model (coefficients, K_j, b_j) among the estimates, which have tau_j too. */
 static size_t estimate_of(const palp_lumped_fit *fit, size_t i) {
@@ -212,8 +210,8 @@ static size_t estimate_of(const palp_lumped_fit *fit, size_t i) {
 }
 
 static void print_points(const characterize_state *s) {
-    printf("  K_inf of the mean specimen; sd between specimens with its 95 %% interval, and within one (what "
-           "its runs leave open)\n");
+    printf("  K_inf of the mean specimen; sd between specimens with its 95 %% interval, and within one (from "
+           "the uncertainty of its fit)\n");
     printf("  strain   K_inf (N)   95 %% of the mean     between (%%)   95 %% interval    within (%%)   95 "
            "%% of specimens (N)\n");
     for (size_t i = s->n_points / 5; i < s->n_points; i += s->n_points / 5) {
@@ -234,10 +232,10 @@ void characterize_print_specimens(const characterize_state *s) {
         int length = (int)strlen(characterize_specimen_name(s, k));
         width = length > width ? length : width;
     }
-    printf("Specimens: %zu, in stress and strain; forces are of the mean size, height %.4g mm",
+    printf("Specimens: %zu, pooled in stress and strain; forces are for their mean size, height %.4g mm",
            s->n_specimens, 1e3 * s->run[0].height_m);
     printf(s->run[0].radius_m > 0 ? " and radius %.4g mm\n" : "\n", 1e3 * s->run[0].radius_m);
-    printf("  %-*s  height (mm)  radius (mm)  runs   stress by that of all\n", width, "specimen");
+    printf("  %-*s  height (mm)  radius (mm)  runs   stress relative to mean\n", width, "specimen");
     for (size_t k = 0; k < s->n_specimens; k++) {
         const characterize_body *body = &s->body[k];
         printf("  %-*s  %11.4g  %11.4g  %4zu  %22.4g\n", width, characterize_specimen_name(s, k),

@@ -22,7 +22,7 @@ static const char *missing(const palp_indentation *tip) {
     if (tip->tip == PALP_TIP_CONE)
         return tip->half_angle_rad > 0 && tip->half_angle_rad < 90 * RADIAN
                    ? NULL
-                   : "--tip-angle-deg, or a line # tip.half_angle_deg: A in the file, of 0 to 90";
+                   : "--tip-angle-deg, or a line # tip.half_angle_deg: A in the file, between 0 and 90";
     if (tip->radius_m > 0)
         return NULL;
     return tip->tip == PALP_TIP_PLATE ? "the specimen's radius; add a line # specimen.radius_mm: R"
@@ -39,12 +39,12 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
     if (o->tip >= 0)
         tip->tip = (palp_tip_kind)o->tip;
     else if (in_file && !palp_tip_find(text, &tip->tip))
-        return cli_failure(NAME, "%s: tip.kind is \"%s\"; it is plate, flat, sphere or cone", run->name,
+        return cli_failure(NAME, "%s: tip.kind is \"%s\", but must be plate, flat, sphere or cone", run->name,
                            text);
     bool known = o->tip >= 0 || in_file;
     if (s->n > 0 && known != s->has_tip)
-        return cli_failure(NAME, "%s: %s, but %s: %s; give --tip for all", run->name,
-                           known ? "names its tip" : "names no tip", s->run[0].name, known ? "none" : "one");
+        return cli_failure(NAME, "%s: has %s, but %s has %s; give --tip for all runs", run->name,
+                           known ? "a tip.kind" : "no tip.kind", s->run[0].name, known ? "none" : "one");
     s->has_tip = known;
     if (!known)
         return CLI_OK;
@@ -92,29 +92,29 @@ static void judge(const characterize_options *o, characterize_state *s) {
     size_t deep = first_too_deep(s);
     if (!m->poisson_found && isnan(o->poisson))
         characterize_warn(
-            s, "one tip on one thickness cannot give both modulus and Poisson's ratio: 0.5 (incompressible) "
-               "is assumed; give --poisson, or runs with a tip of another size too");
+            s, "one tip on one thickness cannot identify both modulus and Poisson's ratio: 0.5 is assumed "
+               "(incompressible); give --poisson, or add runs with a tip of another size");
     if (m->poisson_found && m->poisson.high - m->poisson.low > 0.2)
-        characterize_warn(s, "Poisson's ratio is not determined by these tips (%.2f to %.2f)", m->poisson.low,
-                          m->poisson.high);
+        characterize_warn(s, "Poisson's ratio is not identifiable from these tips (%.2f to %.2f)",
+                          m->poisson.low, m->poisson.high);
     if (m->misfit > 0.05)
         characterize_warn(s,
-                          "the tip's force by one shear modulus leaves %.2g %% of the force (rms): the "
-                          "contact, the tip or the layer is another, or the material is not linear",
+                          "the fit of one shear modulus has a residual of %.2g %% of the force (rms): check "
+                          "contact, tip and layer; the material may be nonlinear",
                           100 * m->misfit);
     for (size_t i = 0; i < s->n; i++)
         if (s->tip[i].tip != PALP_TIP_PLATE && s->tip[i].specimen_radius_m == 0 && s->run[i].radius_m > 0 &&
             s->run[i].radius_m < (m->widest_contact + 1.5) * s->tip[i].thickness_m) {
             characterize_warn(
                 s,
-                "%s: the specimen's edge is near the tip, which these moduli do not know: they come out low",
+                "%s: the specimen's edge is near the tip, but the moduli assume a wide layer and are too low",
                 s->run[i].name);
             break;
         }
     if (deep < s->n)
         characterize_warn(s,
-                          "%s: pressed to %.2g of the layer's thickness: the moduli are those of small "
-                          "strain, and off by more than 2 %% from there on",
+                          "%s: pressed to %.2g of the layer's thickness: small-strain moduli are wrong by "
+                          "more than 2 %% at such depths",
                           s->run[deep].name, s->run[deep].deepest_m / s->tip[deep].thickness_m);
 }
 
@@ -177,23 +177,23 @@ int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
             s->tip[i].specimen_radius_m = less ? 0 : s->tip[i].specimen_radius_m;
         }
         if (less == 0 && !o->small_strain && first_too_deep(s) < s->n)
-            characterize_warn(s, "no correction for large strain: its tables hold for punches of 0.2 to 2 "
+            characterize_warn(s, "not corrected for large strain: the tables hold for punches of 0.2 to 2 "
                                  "thicknesses pressed to 0.2 thicknesses and 0.25 radii, "
                                  "spheres R of 0.3 to 4 thicknesses h pressed to 0.16 h R / (R + 0.1 h), "
                                  "cones of 70 to 80 degrees pressed to 0.15 h");
         status = fit(o, s, &error);
     }
     if (status == PALP_ERR_UNSUPPORTED)
-        return cli_failure(NAME, "%s: --tip-sticks goes with a plate or a flat punch and a bonded floor",
+        return cli_failure(NAME, "%s: --tip-sticks needs a plate, or a flat punch and --floor bonded",
                            s->run[0].name);
     if (status == PALP_ERR_LIMIT && o->tip_sticks)
-        return cli_failure(
-            NAME,
-            "%s: --tip-sticks is known for punches of 0.2 to 2 thicknesses and plates of 0.2 to 4 heights",
-            s->run[0].name);
+        return cli_failure(NAME,
+                           "%s: --tip-sticks is tabulated for punches of 0.2 to 2 thicknesses and plates of "
+                           "0.2 to 4 heights",
+                           s->run[0].name);
     if (status == PALP_ERR_LIMIT)
         return cli_failure(NAME,
-                           "%s: the contact is wider than %g thicknesses of the layer: take --tip plate",
+                           "%s: the contact is wider than %g thicknesses of the layer; give --tip plate",
                            s->run[0].name, PALP_INDENTATION_WIDEST);
     if (status == PALP_OK && s->n_tip_specimens > 1)
         status = pool(o, s, &error);
@@ -229,27 +229,28 @@ void characterize_tip_print(const characterize_state *s) {
            s->tip[0].large_strain ? "neo-Hookean" : "small strain",
            s->tip[0].tip_sticks ? "sticks" : "slides");
     if (m->poisson_found)
-        printf("  %-28s %12.3f   %.3f to %.3f, by the agreement of %zu tips\n", "Poisson's ratio",
+        printf("  %-28s %12.3f   %.3f to %.3f, from %zu tips of different size\n", "Poisson's ratio",
                m->poisson.value, m->poisson.low, m->poisson.high, m->n_tips);
     else
-        printf("  %-28s %12.3f   assumed: these runs do not tell\n", "Poisson's ratio", m->poisson.value);
+        printf("  %-28s %12.3f   assumed: not identifiable from these runs\n", "Poisson's ratio",
+               m->poisson.value);
     print_modulus("G_inf, shear, long-term", &m->shear_inf_Pa);
     print_modulus("G_0, shear, instantaneous", &m->shear_0_Pa);
     print_modulus("E_inf = 2 (1 + nu) G_inf", &m->young_inf_Pa);
     print_modulus("E_0 = 2 (1 + nu) G_0", &m->young_0_Pa);
     for (size_t k = 0; k < s->n_tip_specimens; k++)
-        printf("  of %-25s %12.5g   G_0 %.5g Pa, each by its own runs\n", characterize_specimen_name(s, k),
+        printf("  of %-25s %12.5g   G_0 %.5g Pa, from its own runs\n", characterize_specimen_name(s, k),
                s->each[k].shear_inf_Pa.value, s->each[k].shear_0_Pa.value);
     if (s->n_tip_specimens > 1)
-        printf("  sd between specimens         %12.3g   G_0 %.3g Pa; the moduli above are the mean's, with "
-               "its interval by how they differ\n",
+        printf("  sd between specimens         %12.3g   G_0 %.3g Pa; the moduli above are of the mean, "
+               "their intervals from the spread\n",
                s->between_Pa[0], s->between_Pa[1]);
     if (!m->poisson_found)
         printf("  G_inf would be %.4g Pa with a ratio of 0.5, %.4g Pa with 0.3\n", m->shear_low_Pa,
                m->shear_high_Pa);
     if (m->largest_shift_m > 0)
-        printf("  contact of the tip found with the moduli, up to %.3g mm from that of the runs (--contact "
-               "known takes those)\n",
+        printf("  contact was fitted with the moduli, up to %.3g mm from the recordings' (--contact known "
+               "keeps theirs)\n",
                1e3 * m->largest_shift_m);
     printf("  contact up to %.3g, depth up to %.3g thicknesses; residual %.2g %% of the force (rms)\n",
            m->widest_contact, m->largest_depth, 100 * m->misfit);

@@ -13,83 +13,79 @@ static int parse(int argc, char **argv, characterize_options *o) {
     const cli_option options[] = {
         cli_heading("Model"),
         cli_text("arms", "N|auto|log:N|fractional", &o->arms_text,
-                 "Maxwell arms, 0 to 16 (default auto: by the error on samples left out\nof the fit); log:N: "
-                 "N a decade at fixed times, none "
-                 "negative; fractional:\na spring and a springpot in series, as 16 arms of their spectrum"),
+                 "number of Maxwell arms, 0 to 16 (default auto: by cross-validation);\n"
+                 "log:N: N arms a decade at fixed relaxation times, stiffness >= 0;\n"
+                 "fractional: a spring and a springpot in series, as 16 arms"),
         cli_choice("law", "auto|polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden",
                    &o->law_choice,
-                   "form of the stiffness law K(e), F = K(e) e (default auto: form and size by the\n"
-                   "error on samples left out of the fit; with --degree a polynomial, with\n"
-                   "--knots a spline)"),
+                   "form of the stiffness law K(e), F = K(e) e (default auto: form and size by\n"
+                   "cross-validation; with --degree a polynomial, with --knots a spline)"),
         cli_text("degree", "N|auto", &o->degree_text,
-                 "degree of the force polynomial F(e), 2 to 7, so that K(e) has one degree\nless, as Table "
-                 "4.1 of Sedef 2008 counts (polynomial: default 5, no more terms than\nthere are depths); "
-                 "auto: by the error on samples left out"),
-        cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "of the spline (default 5)"),
+                 "degree of the force polynomial F(e) = K(e) e, 2 to 7, counted as in Table 4.1\n"
+                 "of Sedef 2008 (default 5, with no more terms than depths); auto: by\ncross-validation"),
+        cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "number of knots of the spline (default 5)"),
         cli_heading("Fit"),
-        cli_flag("shared-arms", &o->shared_arms,
-                 "one set of arms for all depths only, no fit of each depth alone"),
-        cli_flag("per-depth", &o->per_depth,
-                 "each depth alone, no table of shared arms (default: both tables)"),
+        cli_flag("shared-arms", &o->shared_arms, "only the fit of one set of arms to all depths"),
+        cli_flag("per-depth", &o->per_depth, "only the fit of each depth by itself (default: both)"),
         cli_choice("method", "nlopt|grid", &o->method,
                    "nlopt: weighted least squares from several starts (default); grid:\nthe procedure of "
                    "Sedef 2008, Section 4.3.3, with one or two arms"),
         cli_flag("hold-only", &o->dwell_only,
-                 "leave the ramp out of the fit of the model too (fits with a K_inf for\neach depth see the "
-                 "hold only: on the ramp K(e) is not constant)"),
+                 "fit the model to the dwells only, without the ramps (the fit of each\n"
+                 "depth always does, since K(e) is not constant on a ramp)"),
         cli_flag("fit-filtered", &o->fit_filtered,
-                 "fit the filtered force instead of the raw one (biased; for comparison)"),
+                 "fit the filtered force instead of the raw one (biased; to compare)"),
         cli_heading("Recordings"),
         cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz,
-                     "cut-off of the zero-phase Butterworth filter of the figures, Hz\n(default 10, at most "
+                     "cut-off of the zero-phase Butterworth filter in the figures, Hz\n(default 10, at most "
                      "a fifth of the sampling rate)"),
         cli_positive("specimen-height-mm", "H", 1e4, &o->height_mm,
                      "height of the specimen, mm, instead of the files'"),
         cli_positive("specimen-radius-mm", "R", 1e4, &o->radius_mm,
                      "radius of the specimen, mm, instead of the files'"),
         cli_choice("specimens", "auto|one|name|folder|file", &o->specimens_by,
-                   "which runs are of one specimen: those of one specimen.name and size (auto,\n"
-                   "default; one where each run has its own name), all (one), those of one name,\n"
-                   "of one folder, or each file is its own. Several are pooled in stress and\n"
-                   "strain, and the model is that of their mean, with their spread"),
+                   "which runs belong to one specimen: auto: same specimen.name and size (all, if\n"
+                   "every run has another name); one: all; name, folder: same name or folder;\n"
+                   "file: each run is a specimen. Several specimens are pooled in stress and\n"
+                   "strain: the model is that of the mean specimen, with the spread"),
         cli_choice("contact", "auto|known|common|free", &o->contact,
-                   "whether contact is where the runs have it: known; off by the same in all\n"
-                   "(common); or by its own in each, by a scatter that the runs tell (free;\n"
-                   "default auto: free where the runs show it, be they two)"),
+                   "depth of contact: known: as in the recordings; common: one shift for all\n"
+                   "runs; free: a shift of each run, with an estimated scatter (default auto:\n"
+                   "free where two or more runs identify it)"),
         cli_number("contact-mm", "D", -1e4, 1e4, &o->contact_mm,
-                   "recorded depth at contact, mm, instead of the one found"),
+                   "recorded depth at which the plate touches, mm (default: estimated)"),
         cli_heading("Tip: moduli of the layer under it"),
         cli_choice("tip", "plate|flat|sphere|cone", &o->tip,
-                   "what pressed: a plate over the whole face, else a flat punch, sphere or cone on\na wide "
-                   "layer (default: the files' tip.kind, if any)"),
+                   "shape of the indenter: a plate over the whole face, or a flat punch, sphere or\n"
+                   "cone on a wide layer (default: the files' tip.kind, if any)"),
         cli_positive("tip-radius-mm", "R", 1e4, &o->tip_radius_mm,
-                     "of the punch or sphere, mm, instead of the files' tip.radius_mm"),
+                     "radius of the punch or sphere, mm, instead of the files' tip.radius_mm"),
         cli_positive("tip-angle-deg", "A", 90, &o->tip_angle_deg,
-                     "of the cone, axis to flank, instead of the files' tip.half_angle_deg"),
+                     "half angle of the cone, from its axis, instead of the files' tip.half_angle_deg"),
         cli_number("poisson", "NU", 0, 0.5, &o->poisson,
-                   "Poisson's ratio, taken for known (default: found, where tips of different size\npressed; "
+                   "known Poisson's ratio (default: estimated if tips of different size pressed,\n"
                    "else 0.5)"),
-        cli_choice("floor", "bonded|slides", &o->floor, "how the layer lies on its support (default bonded)"),
+        cli_choice("floor", "bonded|slides", &o->floor,
+                   "contact of the layer with its support (default bonded)"),
         cli_flag("tip-sticks", &o->tip_sticks,
-                 "friction holds the punch's face, or the specimen is glued to both plates (default:\nthey "
-                 "slide)"),
+                 "no slip at the punch's face or at both plates (default: no friction)"),
         cli_flag("small-strain", &o->small_strain,
-                 "no correction of the tip for large strain (default: of a neo-Hookean layer)"),
+                 "moduli of linear elasticity (default: corrected as for a neo-Hookean layer)"),
         cli_heading("Output"),
         cli_out("out", "LUMPED.json", &o->out, "the lumped model"),
         cli_out("spectrum", "FILE.csv", &o->spectrum,
-                "storage and loss by frequency: of runs that oscillate, and of the model"),
+                "storage and loss stiffness by frequency, of oscillating runs and of the model"),
         cli_flag("json", &o->json, "the result as one JSON object on standard output"),
         cli_out("result", "RESULT.json", &o->result,
-                "the same into a file, with its figures, for palpate report"),
+                "the result and its figures as a file for palpate report"),
         cli_out("report", "PAGE.html", &o->report, "tables and figures on one page"),
     };
     const cli_command command = {
         NAME,
         "RUN.csv ... [options]",
-        "Finds a generalized Maxwell solid, with 95 % intervals, from raw static, ramp-and-hold and creep "
+        "Fits a generalized Maxwell solid, with 95 % intervals, to raw static, ramp-and-hold and creep "
         "runs.\n"
-        "Contact, zero force and noise of each run are found first and told on standard error.",
+        "Contact, zero force and noise of each run are estimated first and reported on standard error.",
         "  palpate characterize static.csv hold_*.csv --out lumped.json --report page.html\n"
         "  palpate characterize hold_*.csv --arms 2 --shared-arms --json\n",
         options,
@@ -147,11 +143,11 @@ static int check_options(characterize_options *o) {
     if (o->law != PALP_LAW_SPLINE && o->knots > 0)
         return cli_usage_error(NAME, "--knots goes with --law spline");
     if (o->shared_arms && o->per_depth)
-        return cli_usage_error(NAME, "give either --shared-arms or --per-depth (default: both tables)");
+        return cli_usage_error(NAME, "give --shared-arms or --per-depth, not both (default: both fits)");
     if (o->method == METHOD_GRID && (o->arms_auto || o->arms < 1 || o->arms > 2))
         return cli_usage_error(NAME, "--method grid needs --arms 1 or --arms 2");
     if (o->method == METHOD_GRID && (o->law != PALP_LAW_POLYNOMIAL || o->per_depth))
-        return cli_usage_error(NAME, "--method grid has shared arms and a polynomial; leave out %s",
+        return cli_usage_error(NAME, "--method grid fits shared arms and a polynomial; leave out %s",
                                o->per_depth ? "--per-depth" : "--law");
     o->knots = o->knots ? o->knots : 5;
     return CLI_OK;
@@ -181,7 +177,7 @@ static int write_model(const characterize_options *o, const characterize_state *
     palp_status status = o->out ? palp_model_write(&model, o->out, &error) : PALP_OK;
     if (status && palp_law_minimum(&s->material.law, characterize_strain_max(s)) <= 0)
         return cli_failure(NAME,
-                           "%s: not written: K(e) falls to zero within the measured strain of %.3g; take "
+                           "%s: not written, as K(e) falls to zero within the measured strain of %.3g; try "
                            "another --degree or --law",
                            o->out, characterize_strain_max(s));
     return status ? cli_status(NAME, status, &error) : CLI_OK;

@@ -17,27 +17,27 @@ typedef struct export_options {
 
 static int parse(int argc, char **argv, export_options *o, const char **model) {
     const cli_option options[] = {
-        cli_heading("Presses (one of the two)"),
-        cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm, "depths in mm, one step each"),
-        cli_numbers("strain", "LIST", 0.95, &o->strain, "the same as depth / height of the network"),
+        cli_heading("Presses (give one of these)"),
+        cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm, "depths, mm; one static step each"),
+        cli_numbers("strain", "LIST", 0.95, &o->strain, "depths as a share of the network's height"),
         cli_heading("Deck"),
-        cli_choice("format", "calculix", &o->format, "the only one"),
+        cli_choice("format", "calculix", &o->format, "format of the deck; there is only this one"),
         cli_count("table-points", "N", 5, 200, &o->points,
-                  "points of each force-elongation table, rounded down to an\n"
-                  "odd number (default and most 199: CalculiX thins out longer ones)"),
+                  "points of each force-elongation table, rounded down to an odd number\n"
+                  "(default and most 199: CalculiX drops points of longer tables)"),
         cli_positive("table-strain", "E", 0.99, &o->table_strain,
-                     "the tables reach from -E to E (default 1.2 x the largest strain);\n"
-                     "beyond, CalculiX keeps the force constant"),
+                     "strain range of the tables, -E to E (default 1.2 x the largest strain);\n"
+                     "beyond it CalculiX keeps the force constant"),
         cli_positive("step-strain", "E", 1, &o->step_strain,
-                     "largest increment, depth / height (default 0.01)"),
+                     "largest increment of a step, as a share of the height (default 0.01)"),
         cli_heading("Output"),
         cli_out("out", "DECK.inp", &o->out, "the deck (default: standard output)"),
     };
     const cli_command command = {
         "export",
         "MODEL.json --depth-mm LIST [--out DECK.inp]",
-        "Writes the fully relaxed network (its springs, without arms) as a CalculiX deck: SPRINGA\n"
-        "elements, supports, and a static step to each depth that prints the reaction on the plate.",
+        "Writes the fully relaxed network (springs without arms) as a CalculiX deck: SPRINGA elements,\n"
+        "supports, and a static step to each depth that prints the force on the plate.",
         "  palpate export network.json --strain 0.1,0.2,0.3,0.4 --out network.inp\n"
         "  ccx -i network && cat network.dat\n",
         options,
@@ -47,7 +47,7 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
     if (code == CLI_OK && n == 0)
         return cli_usage_error("export", "name a MODEL.json; see palpate export --help");
     if (code == CLI_OK && (o->depth_mm.n > 0) == (o->strain.n > 0))
-        return cli_usage_error("export", "give the presses by either --depth-mm or --strain");
+        return cli_usage_error("export", "give the depths by either --depth-mm or --strain");
     return code;
 }
 
@@ -60,11 +60,12 @@ static int presses(const export_options *o, const char *model, calculix_deck *de
         depth_m[i] = o->depth_mm.n ? 1e-3 * o->depth_mm.value[i] : o->strain.value[i] * deck->height_m;
         deepest = fmax(deepest, depth_m[i]);
         if (i > 0 && depth_m[i] == depth_m[i - 1])
-            return cli_usage_error("export", "two steps in a row to %g mm; leave one out", 1e3 * depth_m[i]);
+            return cli_usage_error("export", "two successive steps go to %g mm; leave one out",
+                                   1e3 * depth_m[i]);
     }
     if (deepest >= 0.95 * deck->height_m)
         return cli_usage_error("export",
-                               "a depth of %g mm leaves nothing of the %g mm that %s is high; press less",
+                               "a depth of %g mm is not below the height of %g mm of %s; press less",
                                1e3 * deepest, 1e3 * deck->height_m, model);
     deck->depth_m = depth_m;
     deck->table_strain = o->table_strain > 0 ? o->table_strain : fmin(0.95, 1.2 * deepest / deck->height_m);
@@ -109,8 +110,8 @@ int cmd_export(int argc, char **argv) {
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
     code = open_model_of("export", path, PALP_MODEL_NETWORK,
-                         "a lumped model has no mesh; make a network of it by palpate calibrate", &model,
-                         &source);
+                         "is a lumped model, which has no mesh; palpate calibrate makes a network of it",
+                         &model, &source);
     if (code)
         return code;
     if (model.volume_modulus_Pa > 0 || model.poisson_ratio > 0)

@@ -13,73 +13,73 @@ static const char NAME[] = "import";
 
 static int parse(int argc, char **argv, import_options *o, const char **files, size_t *n) {
     const cli_option options[] = {
-        cli_text("out", "DIR", &o->out, "folder of the experiments; made if need be"),
-        cli_flag("force", &o->force, "replace recordings that are there"),
+        cli_text("out", "DIR", &o->out, "folder for the experiments; created if it does not exist"),
+        cli_flag("force", &o->force, "replace existing recordings"),
         cli_heading("The file"),
         cli_choice("format", "mach1|instron|csv", &o->format,
-                   "what wrote it (default: seen from its first lines)"),
+                   "kind of file (default: recognized by its first lines)"),
         cli_text("map", "LIST", &o->map,
-                 "time=COL,depth=COL,force=COL (or strain=, stress=, deflection=):\n"
-                 "names or numbers from 1 of the columns (default: by their names)"),
+                 "the columns: time=COL,depth=COL,force=COL (or strain=, stress=,\n"
+                 "deflection=); COL is a name, or a number from 1 (default: by name)"),
         cli_text("units", "LIST", &o->units,
                  "time=s|ms|min,depth=mm|um|nm|m|%|stretch,force=N|mN|gf|kPa|...\n"
-                 "(default: as the columns' names or a row below them say)"),
+                 "(default: from the columns' names, or from a row below them)"),
         cli_positive("rate", "HZ", 1e9, &o->rate_Hz,
-                     "samples a second, for a table without a time, or with a wrong one\n"
-                     "(default: as the file says)"),
+                     "sampling rate, Hz, where the table has no time or a wrong one\n"
+                     "(default: from the file)"),
         cli_count("skip-lines", "N", 0, 1e9, &o->skip_lines,
-                  "lines above the names (csv; default: the names are above the\n"
-                  "first row of numbers)"),
+                  "lines before the row of column names (csv; default: that row is\n"
+                  "directly above the first numbers)"),
         cli_choice("separator", ",|;|tab|space", &o->separator,
-                   "between columns (csv; default: seen from the file)"),
+                   "character between columns (csv; default: found in the file)"),
         cli_flag("strict", &o->strict,
-                 "refuse rows that are no numbers or repeat a time (default: they are\n"
-                 "left out, and counted)"),
-        cli_number("from", "S", -1e12, 1e12, &o->from_s, "leave out what was recorded before this time, s"),
-        cli_number("to", "S", -1e12, 1e12, &o->to_s, "and after this one"),
+                 "stop at rows that are not numbers or repeat a time (default: skip\n"
+                 "and count them)"),
+        cli_number("from", "S", -1e12, 1e12, &o->from_s, "skip samples before this time, s"),
+        cli_number("to", "S", -1e12, 1e12, &o->to_s, "skip samples after this time, s"),
         cli_heading("Specimen"),
-        cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm,
-                     "height, mm (default: as the file says)"),
-        cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius, mm (default likewise)"),
+        cli_positive("specimen-height-mm", "MM", 1e4, &o->height_mm, "height, mm (default: from the file)"),
+        cli_positive("specimen-radius-mm", "MM", 1e4, &o->radius_mm, "radius, mm (default: from the file)"),
         cli_positive("specimen-area-mm2", "MM2", 1e8, &o->area_mm2,
-                     "cross-section, mm2, in place of the radius"),
-        cli_text("specimen-name", "NAME", &o->specimen, "what the specimen is called"),
+                     "cross-sectional area, mm2, instead of the radius"),
+        cli_text("specimen-name", "NAME", &o->specimen, "name of the specimen"),
         cli_text("specimen-kind", "KIND", &o->kind,
-                 "cylinder, rigid, none (air: needs no height) or another word"),
+                 "cylinder, rigid, none (only air; no height needed) or another word"),
         cli_choice("tip", "plate|flat|sphere|cone", &o->tip,
-                   "what pressed, for palpate characterize: a plate over the whole face, else a\n"
-                   "flat punch, sphere or cone on a wide layer (default: as the file says)"),
+                   "shape of the indenter: a plate over the whole face, or a flat punch, sphere or\n"
+                   "cone on a wide layer (default: from the file)"),
         cli_positive("tip-radius-mm", "R", 1e4, &o->tip_radius_mm,
-                     "of the punch or sphere, mm (default: as the file says)"),
-        cli_positive("tip-angle-deg", "A", 90, &o->tip_angle_deg, "of the cone, axis to flank"),
+                     "radius of the punch or sphere, mm (default: from the file)"),
+        cli_positive("tip-angle-deg", "A", 90, &o->tip_angle_deg,
+                     "half angle of the cone, from its axis, degrees"),
         cli_heading("Recording"),
         cli_choice("protocol", "static|ramp_hold|cyclic|other", &o->protocol,
-                   "what the plate did (default: from the tester's settings, or as it\n"
-                   "moved)"),
+                   "motion of the plate (default: from the tester's settings or the\n"
+                   "recorded motion)"),
         cli_text("negate", "LIST", &o->negate,
-                 "depth, force or both: these change sign, or none (default: the\n"
-                 "force grows as the plate presses)"),
+                 "depth, force, depth,force or none: what to change the sign of\n"
+                 "(default: so that the force grows with depth)"),
         cli_choice("contact", "auto|air|start|recorded", &o->contact,
-                   "where depth and force are 0 (default auto: after the free air, else\n"
+                   "where depth and force are 0 (default auto: where free air ends, else\n"
                    "where the plate rests before it moves; instron: as recorded)"),
-        cli_positive("spring-N-m", "N/m", 1e6, &o->spring_N_m,
-                     "of a cantilever whose deflection is recorded (default: likewise)"),
+        cli_positive(
+            "spring-N-m", "N/m", 1e6, &o->spring_N_m,
+            "stiffness of the cantilever, if the file records its deflection\n(default: from the file)"),
         cli_text("session-start", "TIME", &o->session,
-                 "when the session began, 2024-03-01T10:00:00 or 10:00:00: its runs get\n"
-                 "their time after that (default of a folder: the first run's)"),
-        cli_text("license", "TEXT", &o->license, "licence of the data, kept in the header"),
+                 "start of the session, 2024-03-01T10:00:00 or 10:00:00; each run keeps\n"
+                 "its delay after it (default of a folder: start of the first run)"),
+        cli_text("license", "TEXT", &o->license, "licence of the data, written to the header"),
     };
     const cli_command command = {
         NAME,
         "FILE|FOLDER ... --out DIR [options]",
-        "Turns other testers' recordings into experiments: time_s, depth_mm (positive into the specimen, 0 "
-        "at\n"
-        "contact), force_N (positive = compression), one DIR/FILE.csv each. A table on stderr says what was\n"
-        "understood. The files of a FOLDER are a session, in the order in which they were recorded.",
+        "Converts recordings of other testers to experiments, one DIR/FILE.csv each, with time_s, depth_mm\n"
+        "(positive into the specimen, 0 at contact) and force_N (positive = compression). A table on stderr\n"
+        "shows how each file was read. The files of a FOLDER are one session, in the order of recording.",
         "  palpate import sample_*.csv --out runs\n"
         "  palpate import mach1/*.csv --specimen-height-mm 2 --out runs\n"
-        " palpate import log.txt --map time=1,depth=3,force=4 --units time=ms,depth=um,force=gf \\\n"
-        " --specimen-height-mm 24 --out runs\n",
+        "  palpate import log.txt --map time=1,depth=3,force=4 --units time=ms,depth=um,force=gf \\\n"
+        "      --specimen-height-mm 24 --out runs\n",
         options,
         sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, files, (size_t)argc, n);
@@ -87,7 +87,7 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
         return code;
     if (*n == 0)
         return cli_usage_error(NAME, "name a FILE; see palpate import --help");
-    return o->out ? CLI_OK : cli_usage_error(NAME, "name a folder by --out DIR");
+    return o->out ? CLI_OK : cli_usage_error(NAME, "name the folder of the experiments by --out DIR");
 }
 
 /* quantity=value between commas, each quantity once. */
@@ -100,7 +100,8 @@ static int check_list(const char *option, const char *list) {
         while (i < ROLES && strncmp(at, quantities[i], strlen(quantities[i])) != 0)
             i++;
         if (i == ROLES || seen[i] || end == strlen(quantities[i]))
-            return cli_usage_error(NAME, "--%s wants time=...,depth=...,force=..., not \"%s\"", option, list);
+            return cli_usage_error(NAME, "--%s must be time=...,depth=...,force=..., not \"%s\"", option,
+                                   list);
         seen[i] = true;
         at = at[end] ? at + end + 1 : NULL;
     }
@@ -113,10 +114,10 @@ static int check_options(const import_options *o) {
     while (o->negate && i < 5 && strcmp(o->negate, signs[i]) != 0)
         i++;
     if (i == 5)
-        return cli_usage_error(NAME, "--negate wants depth, force, depth,force or none, not \"%s\"",
+        return cli_usage_error(NAME, "--negate must be depth, force, depth,force or none, not \"%s\"",
                                o->negate);
     if (o->rate_Hz > 0 && o->map && strstr(o->map, "time="))
-        return cli_usage_error(NAME, "--rate and --map time= both say what the time is");
+        return cli_usage_error(NAME, "--rate and --map time= both set the time; leave one out");
     int code = check_list("map", o->map);
     return code ? code : check_list("units", o->units);
 }
@@ -201,7 +202,7 @@ static int write_all(const import_options *o, const import_sources *all) {
     }
     if (code == CLI_OK && written > 0)
         import_say(all);
-    return code || written ? code : cli_failure(NAME, "nothing to import in the files named");
+    return code || written ? code : cli_failure(NAME, "the files named have nothing to import");
 }
 
 /* ---- folders ---- */

@@ -66,7 +66,8 @@ static int find_named(import_source *s, int role, const char *wanted) {
         return CLI_OK;
     }
     list_columns(s, columns, sizeof columns);
-    return cli_failure(NAME, "%s: no column \"%s\" for --map %s: a name (without commas) or a number of %s",
+    return cli_failure(NAME,
+                       "%s: no column \"%s\" for --map %s; give a name (without commas) or number of %s",
                        s->file, wanted, roles[role], columns);
 }
 
@@ -135,7 +136,7 @@ static int ambiguous(const import_source *s, int role, size_t a, size_t b) {
     char columns[1024];
     list_columns(s, columns, sizeof columns);
     return cli_failure(NAME,
-                       "%s: columns %zu \"%s\" and %zu \"%s\" could both be the %s; say which by --map "
+                       "%s: columns %zu \"%s\" and %zu \"%s\" could both be the %s; choose by --map "
                        "%s=NAME or NUMBER of %s",
                        s->file, a + 1, s->column[a], b + 1, s->column[b], roles[role], roles[role], columns);
 }
@@ -185,14 +186,13 @@ static int find_unit(const import_options *o, import_source *s, int role, int qu
     }
     s->unit[role] = unit;
     if (*wanted && !(unit && import_unit_fits(unit, role)))
-        return cli_usage_error(NAME, "--units %s=%s: no such unit of it", roles[quantity], wanted);
+        return cli_usage_error(NAME, "--units %s=%s: not a unit of this quantity", roles[quantity], wanted);
     const char *units = role == STRESS   ? units_of_stress
                         : role == STRAIN ? units_of_strain
                                          : units_of[quantity];
     if (!(unit && import_unit_fits(unit, role)))
         return quiet ? CLI_FAILURE
-                     : cli_failure(NAME, "%s: column \"%s\" does not say its unit; say it by --units %s=%s",
-                                   s->file,
+                     : cli_failure(NAME, "%s: column \"%s\" has no unit; give it by --units %s=%s", s->file,
                                    *s->column[s->used[role]] ? s->column[s->used[role]] : "without a name",
                                    roles[role == STRESS || role == STRAIN ? role : quantity], units);
     return CLI_OK;
@@ -201,9 +201,9 @@ static int find_unit(const import_options *o, import_source *s, int role, int qu
 static int not_there(const import_source *s, int role) {
     char columns[1024];
     list_columns(s, columns, sizeof columns);
-    return cli_failure(NAME, "%s: no column is named as a %s; say which by --map %s=NAME or NUMBER of %s%s",
-                       s->file, roles[role], roles[role], columns,
-                       role == TIME ? ", or how often was sampled by --rate HZ" : "");
+    return cli_failure(
+        NAME, "%s: no column looks like a %s by its name; choose by --map %s=NAME or NUMBER of %s%s", s->file,
+        roles[role], roles[role], columns, role == TIME ? ", or give the sampling rate by --rate HZ" : "");
 }
 
 /* Whether another role stands in for a quantity: no column is named as it, or --units says that its column is

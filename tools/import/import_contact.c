@@ -74,7 +74,7 @@ int import_signs(const import_options *o, import_source *s) {
     if (!o->negate && clear) {
         if (travel_mm == 0)
             return cli_failure(NAME,
-                               "%s:%zu: the position is the same at the start and at the largest force: "
+                               "%s:%zu: the position at the largest force is that of the start: "
                                "nothing was pressed, or --map names the wrong column",
                                s->file, s->line[peak]);
         s->depth_sign = travel_mm < 0 ? -1 : 1;
@@ -98,7 +98,7 @@ static void use_air(const palp_air *air, import_source *s) {
     s->contact_rule = import_is_approach(s) ? "find_contact" : "free_air";
 }
 
-/* An approach that gave up before the force it looks for has touched nothing. */
+/* Whether the approach reached the force that it looks for; one that did not has touched nothing. */
 static bool touched(const import_source *s) {
     double wanted_N = 9.80665e-3 * import_setting_number(s, "Contact Criteria, gf");
     return highest(s->force_N, s->rows) >= wanted_N;

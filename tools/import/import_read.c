@@ -31,7 +31,7 @@ int import_read(const import_options *o, const char *file, import_sources *all) 
     if (code == CLI_OK && text.n == 0) {
         code = cli_failure(NAME, "%s: the file is empty", file);
     } else if (code == CLI_OK && near_the_top(&text, "# palpate.experiment")) {
-        code = cli_failure(NAME, "%s: is an experiment of palpate already", file);
+        code = cli_failure(NAME, "%s: is already an experiment of palpate", file);
     } else if (code == CLI_OK) {
         size_t first = all->n;
         import_format format = o->format >= 0 ? (import_format)o->format : detect(&text);

@@ -248,15 +248,16 @@ static void crop(const import_options *o, import_source *s) {
 
 static int check_sizes(const import_source *s) {
     if (s->used[STRAIN] != IMPORT_NONE && s->height_mm <= 0)
-        return cli_failure(NAME, "%s: the depth is a strain: give --specimen-height-mm", s->file);
+        return cli_failure(NAME, "%s: the depth is given as strain; give --specimen-height-mm", s->file);
     if (s->used[STRESS] != IMPORT_NONE && s->radius_mm <= 0)
         return cli_failure(
-            NAME, "%s: the force is a stress: give --specimen-radius-mm or --specimen-area-mm2", s->file);
+            NAME, "%s: the force is given as stress; give --specimen-radius-mm or --specimen-area-mm2",
+            s->file);
     if (s->used[DEFLECTION] != IMPORT_NONE && s->unit[DEFLECTION]->dimension == UNIT_VOLT &&
         s->slope_mm_V <= 0)
-        return cli_failure(
-            NAME, "%s: the deflection is in volts and the file tells no sensitivity (m/V): convert it",
-            s->file);
+        return cli_failure(NAME,
+                           "%s: the deflection is in volts and the file has no sensitivity (m/V); convert it",
+                           s->file);
     return CLI_OK;
 }
 

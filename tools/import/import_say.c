@@ -58,36 +58,35 @@ static void print_row(const row *r, const size_t width[FIELDS]) {
 
 static void note(const import_source *s) {
     if (s->bad > 0)
-        cli_warning("import", "%s: %zu of %zu rows are not numbers and were left out, the first at line %zu",
+        cli_warning("import", "%s: left out %zu of %zu rows that are not numbers, the first at line %zu",
                     s->name, s->bad, s->bad + s->doubled + s->rows, s->bad_line);
     if (s->doubled > 0)
         cli_warning("import",
-                    "%s: %zu of %zu rows do not come later than the row before and were left out, the first "
-                    "at line %zu",
+                    "%s: left out %zu of %zu rows whose time does not increase, the first at line %zu",
                     s->name, s->doubled, s->bad + s->doubled + s->rows, s->doubled_line);
     if (20 * s->lost > s->rows)
         cli_warning("import",
-                    "%s: %zu samples are missing (%.2g %% of those that the clock's step of %.4g s tells of)",
-                    s->name, s->lost, 100.0 * (double)s->lost / (double)(s->lost + s->rows), s->step_s);
+                    "%s: %zu samples are missing (%.2g %% of all, at a sampling interval of %.4g s)", s->name,
+                    s->lost, 100.0 * (double)s->lost / (double)(s->lost + s->rows), s->step_s);
     if (s->restarts > 0)
-        cli_warning("import", "%s: the clock starts anew %zu time%s within the run; it was made to go on",
+        cli_warning("import",
+                    "%s: the clock restarts %zu time%s within the run; its times were made continuous",
                     s->name, s->restarts, s->restarts > 1 ? "s" : "");
     if (s->tip && s->tip_radius_mm > 0)
         cli_note("import", "%s: the tip is a %s, radius %.5g mm", s->name, s->tip, s->tip_radius_mm);
     if (s->groups > 1 && s->group == 1)
         cli_note("import",
-                 "%s: the columns of %s repeat: %zu specimens side by side, a run each; one alone by --map "
+                 "%s: the columns of %s repeat, so %zu specimens become a run each; choose one by --map "
                  "time=NUMBER,depth=NUMBER,force=NUMBER",
                  s->name, cli_base(s->file), s->groups);
     if (s->seconds_assumed)
-        cli_warning("import",
-                    "%s: the time has no unit and is taken as seconds; else say it by --units time=ms",
+        cli_warning("import", "%s: the time has no unit and is taken as seconds; --units time=ms changes it",
                     s->name);
     if (s->height_from && strncmp(s->height_from, "--", 2) != 0) {
         char radius[2 * IMPORT_WORD] = "";
         if (s->radius_mm > 0 && s->radius_from)
-            snprintf(radius, sizeof radius, ", radius %.5g mm by \"%s\"", s->radius_mm, s->radius_from);
-        cli_note("import", "%s: height %.5g mm by \"%s\"%s", s->name, s->height_mm, s->height_from, radius);
+            snprintf(radius, sizeof radius, ", radius %.5g mm from \"%s\"", s->radius_mm, s->radius_from);
+        cli_note("import", "%s: height %.5g mm from \"%s\"%s", s->name, s->height_mm, s->height_from, radius);
     }
 }
 

@@ -118,24 +118,23 @@ int import_specimen_check(const import_options *o, const import_source *s) {
     if (o->kind && strcmp(o->kind, "none") == 0)
         return CLI_OK;
     if (s->height_mm <= 0)
-        return cli_failure(NAME, "%s: the specimen's height is not in the file: give --specimen-height-mm",
-                           s->file);
+        return cli_failure(NAME, "%s: has no height of the specimen; give --specimen-height-mm", s->file);
     if (deepest_mm >= s->height_mm && import_is_stretch(s))
-        cli_warning(
-            NAME, "%s: stretched to %.4g times its height: in tension, which no other command fits beyond 2",
-            s->file, 1 + deepest_mm / s->height_mm);
+        cli_warning(NAME,
+                    "%s: stretched to %.4g times its height; other commands do not fit tension beyond 2",
+                    s->file, 1 + deepest_mm / s->height_mm);
     else if (deepest_mm >= s->height_mm)
         return cli_failure(
             NAME,
-            "%s: pressed to %.4g mm, which does not fit a specimen of %.4g mm: wrong unit, sign "
-            "or --specimen-height-mm",
+            "%s: the depth of %.4g mm exceeds the specimen's height of %.4g mm; check unit, sign "
+            "and --specimen-height-mm",
             s->file, deepest_mm, s->height_mm);
     return CLI_OK;
 }
 
 /* ---- the session ---- */
 
-/* Of the file itself, where nothing in it says when it began: it was closed at the end. */
+/* Start by the time at which the file was closed, for files without a time stamp. */
 static double file_time(const import_source *s) {
     struct stat about;
     double length = s->rows ? s->time_s[s->rows - 1] - s->time_s[0] : 0;
@@ -157,10 +156,10 @@ int import_session(const import_options *o, import_sources *all) {
         dated = dated && all->source[i]->stamp_dated;
     }
     if (o->session && !import_clock(o->session, &began, &begun_dated))
-        return cli_usage_error(
-            NAME,
-            "--session-start wants a date and time or a time of day, such as 2024-03-01T10:00:00, not \"%s\"",
-            o->session);
+        return cli_usage_error(NAME,
+                               "--session-start must be a date and time, or a time of day, such as "
+                               "2024-03-01T10:00:00, not \"%s\"",
+                               o->session);
     for (size_t i = 0; i < all->n; i++) {
         import_source *s = all->source[i];
         day = told && !(dated && (begun_dated || !o->session)) ? 86400
@@ -170,11 +169,12 @@ int import_session(const import_options *o, import_sources *all) {
         first = fmin(first, s->start_s);
     }
     if (o->session && !told)
-        return cli_failure(NAME, "--session-start: not every file says when it began");
+        return cli_failure(NAME, "--session-start needs the time of its start in every file");
     began = isfinite(began) ? (dated && begun_dated ? began : fmod(began, 86400)) : first;
     if (!told)
-        cli_warning(NAME,
-                    "not every file says when it began: the order is that in which the files were written");
+        cli_warning(
+            NAME,
+            "not every file has the time of its start: runs are ordered by when the files were written");
     for (size_t i = 0; i < all->n; i++) {
         all->source[i]->start_s -= began;
         if (all->source[i]->start_s < 0)

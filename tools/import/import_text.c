@@ -242,7 +242,7 @@ int import_text_read(const char *file, import_text *text) {
 bool import_left_out(const import_options *o, const char *file) {
     bool leave = o->folder && !o->strict;
     if (leave)
-        cli_warning(NAME, "%s: left out: there is no table in it", file);
+        cli_warning(NAME, "%s: left out, as it has no table", file);
     return leave;
 }
 

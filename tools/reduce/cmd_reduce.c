@@ -37,39 +37,40 @@ typedef struct reduction {
 
 static int parse(int argc, char **argv, reduce_options *o) {
     const cli_option options[] = {
-        cli_heading("Runs to take snapshots of"),
+        cli_heading("Snapshots"),
         cli_in("runs", "RUN.csv[,...]", &o->runs,
-               "what the plate does (time_s, depth_mm), or a ball (tool_x_mm,\n"
-               "tool_y_mm, tool_z_mm of its centre in the mesh, key tool.radius_mm);\n"
-               "further files may follow as plain words"),
+               "paths of the plate (time_s, depth_mm) or of a ball (its centre in the mesh,\n"
+               "tool_x_mm, tool_y_mm, tool_z_mm, and the key tool.radius_mm); files may\n"
+               "also follow without an option"),
         cli_number("hold-out", "SHARE", 0, 0.9, &o->hold_out,
-                   "share of the runs that is held out and measures the error\n"
-                   "(default 0.25, at least one; 0 = none, the error is then unknown)"),
-        cli_count("samples", "N", 2, 1e5, &o->samples, "take at most N rows of a run, evenly (default 100)"),
+                   "share of the runs held out of the reduction to measure its error\n"
+                   "(default 0.25, at least one run; 0: none, no error is measured)"),
+        cli_count("samples", "N", 2, 1e5, &o->samples,
+                  "most snapshots of a run, at even distances (default 100)"),
         cli_choice("supports", "auto|plate|bottom", &o->supports,
-                   "plate: the top is held and driven by the plate; bottom: only the\n"
-                   "bottom is held; auto: bottom if a run has a tool (default)"),
-        cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
+                   "plate: the plate moves the top nodes; bottom: only the bottom nodes\n"
+                   "are fixed; auto (default): bottom if a run has a tool"),
+        cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the result does not depend on it"),
         cli_heading("Size"),
-        cli_count("modes", "N", 1, 2000, &o->settings.modes, "most coordinates (default 80)"),
+        cli_count("modes", "N", 1, 2000, &o->settings.modes, "most modes (default 80)"),
         cli_positive("tolerance", "REL", 0.5, &o->settings.tolerance,
-                     "share of the energy norm that the coordinates may leave out\n(default 1e-3)"),
+                     "relative error of the snapshots in the modes, in the energy norm\n(default 1e-3)"),
         cli_count("elements", "N", 1, 1e7, &o->settings.elements, "most elements to keep (default 1200)"),
         cli_positive("element-tolerance", "REL", 0.5, &o->settings.element_tolerance,
-                     "relative error of their forces in the snapshots (default 3e-3)"),
+                     "relative error of the kept elements' forces in the snapshots\n(default 3e-3)"),
         cli_count(
             "static-modes", "N", 0, 2000, &o->settings.static_modes,
-            "of the coordinates, so many answer loads at single nodes where the\ntool touched (default 0)"),
+            "how many of the modes are responses to a load at one node that the\ntool touched (default 0)"),
         cli_heading("Output"),
         cli_out("out", "REDUCED.json", &o->out,
-                "the reduced model; its arrays go beside it, into REDUCED.bin"),
+                "the reduced model, with its arrays in REDUCED.bin beside it"),
         cli_flag("json", &o->json, "a summary as JSON on standard output"),
     };
     const cli_command command = {
         NAME,
         "NETWORK.json --runs RUN.csv[,...] [RUN.csv ...] [options]",
-        "Runs a network along paths and makes a reduced model of it that a simulator steps within a\n"
-        "tick: shapes from the runs, and few weighted elements that stand for all.",
+        "Runs a network along paths and makes a reduced model that is fast enough for a simulator's tick:\n"
+        "modes from the snapshots (POD), and few weighted elements in place of all (ECSW).",
         "  palpate reduce network.json --runs press_1.csv,press_2.csv,slide_1.csv --out reduced.json\n"
         "  palpate reduce network.json --runs runs/*.csv --hold-out 0.3 --jobs 2 --out reduced.json\n",
         options,
@@ -79,9 +80,9 @@ static int parse(int argc, char **argv, reduce_options *o) {
     if (code == CLI_OK && o->n_words == 0)
         return cli_usage_error(NAME, "name a NETWORK.json; see palpate reduce --help");
     if (code == CLI_OK && !o->runs && o->n_words == 1)
-        return cli_usage_error(NAME, "name runs to take snapshots of: --runs RUN.csv");
+        return cli_usage_error(NAME, "name runs for the snapshots: --runs RUN.csv");
     if (code == CLI_OK && o->settings.static_modes > o->settings.modes)
-        return cli_usage_error(NAME, "--static-modes are part of --modes; raise it");
+        return cli_usage_error(NAME, "--static-modes count among --modes; raise --modes");
     return code;
 }
 
@@ -115,7 +116,8 @@ static int hold_out(reduction *r) {
     size_t held = (size_t)(o->hold_out * (double)r->n + 0.5);
     held = o->hold_out > 0 && held == 0 ? 1 : held;
     if (held > 0 && held >= r->n)
-        return cli_usage_error(NAME, "%zu runs are too few to hold out any; add runs, or --hold-out 0", r->n);
+        return cli_usage_error(NAME, "%zu runs are too few to hold one out; add runs, or give --hold-out 0",
+                               r->n);
     for (size_t i = 0; i < r->n; i++) {
         r->run[i].held_out = (i + 1) * held / r->n > i * held / r->n;
         r->tools = r->tools || r->run[i].tool;
@@ -132,9 +134,9 @@ static int check_depths(const reduction *r) {
         for (size_t k = 0; k < r->run[i].n; k++) {
             double depth = r->run[i].depth_m[k];
             if (depth > 0 && r->free_top)
-                return cli_failure(NAME,
-                                   "%s: depth_mm is above 0, but nothing drives the top; --supports plate",
-                                   r->run[i].file);
+                return cli_failure(
+                    NAME, "%s: depth_mm is above 0, but no plate moves the top; give --supports plate",
+                    r->run[i].file);
             if (depth >= high[1] - low[1])
                 return cli_failure(NAME, "%s: depth_mm reaches %g, beyond the network's height of %g mm",
                                    r->run[i].file, 1e3 * depth, 1e3 * (high[1] - low[1]));
@@ -297,8 +299,9 @@ static int answer(const reduction *r) {
 static int run(const reduce_options *o, reduction *r) {
     palp_error error = {PALP_OK, ""};
     r->options = o;
-    int code = open_model_of(NAME, o->model, PALP_MODEL_NETWORK,
-                             "a lumped model is as small as can be; give a network", &r->model, &r->source);
+    int code =
+        open_model_of(NAME, o->model, PALP_MODEL_NETWORK,
+                      "is a lumped model, which needs no reduction; give a network", &r->model, &r->source);
     if (code)
         return code;
     if (r->model.n_effects > 0)

@@ -22,12 +22,12 @@ static int parse(int argc, char **argv, report_options *o) {
     const cli_command command = {
         NAME,
         "DIR|FILES ... --out REPORT.html",
-        "Puts recordings, their fits, parameters with intervals, the stiffness law, what explain found, a\n"
-        "network's calibration, simulations beside recordings, and the checksums of all files on one page "
-        "that\n"
-        "needs nothing else.\n"
-        "Of a folder it takes all *.csv and *.json; characterize, explain and calibrate write their results\n"
-        "by --result. A file of - is standard input.",
+        "Puts recordings, fits, parameters with intervals, the stiffness law, results of explain and "
+        "calibrate,\n"
+        "simulations beside their recordings, and the checksums of all files on one self-contained page.\n"
+        "It reads all *.csv and *.json of a folder; characterize, explain and calibrate write results for "
+        "it\n"
+        "by --result. The file name - means standard input.",
         "  palpate characterize runs/*.csv --out work/lumped.json --result work/characterize.json\n"
         "  palpate explain --model work/lumped.json runs/*.csv --result work/explain.json\n"
         "  palpate report runs work --out report.html\n",
@@ -44,8 +44,7 @@ static int make(const report_options *o, report *r) {
     for (size_t i = 0; i < o->n_words && code == CLI_OK; i++)
         code = report_add(r, o->words[i], true);
     if (code == CLI_OK && report_count(r, REPORT_OTHER) == r->n)
-        code =
-            cli_failure(NAME, "%s: holds nothing that palpate writes: no run, model or result", o->words[0]);
+        code = cli_failure(NAME, "%s: has no recording, model or result of palpate", o->words[0]);
     report_sort(r);
     code = code ? code : report_pairs(r);
     return code ? code : page_save(NAME, report_json(r, o->title ? o->title : "Palpation report"), o->out);

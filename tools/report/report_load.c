@@ -76,7 +76,7 @@ static void load_json(report_file *file) {
     } else if (!file->json) {
         snprintf(file->note, sizeof file->note, "line %d: %s", where.line, where.text);
     } else if (file->kind == REPORT_OTHER) {
-        snprintf(file->note, sizeof file->note, "no JSON that palpate writes");
+        snprintf(file->note, sizeof file->note, "not a JSON file of palpate");
     }
 }
 

@@ -55,12 +55,13 @@ size_t blas_jobs(const char *name, size_t wanted) {
     if (wanted < 2 || !parallel)
         return wanted;
     if (parallel() == 0) {
-        cli_warning(name, "one job at a time: this OpenBLAS has no locks (install libopenblas0-pthread)");
+        cli_warning(name,
+                    "--jobs 1 is used: this OpenBLAS is not thread-safe (install libopenblas0-pthread)");
         return 1;
     }
     while (jobs > 1 && !fits(jobs))
         jobs--;
     if (jobs < wanted)
-        cli_warning(name, "%zu jobs at a time: there is no memory for more", jobs);
+        cli_warning(name, "--jobs %zu is used: there is no memory for more", jobs);
     return jobs;
 }

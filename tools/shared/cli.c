@@ -121,7 +121,7 @@ static int check_range(const char *name, const cli_option *o, double x) {
     bool whole = o->type == CLI_COUNT || o->type == CLI_COUNTS;
     bool above = o->type == CLI_POSITIVE || o->type == CLI_NUMBERS;
     if (whole && x != floor(x))
-        return cli_usage_error(name, "--%s wants a whole number, not %g", o->name, x);
+        return cli_usage_error(name, "--%s must be a whole number, not %g", o->name, x);
     if (above && (x <= 0 || x > o->high))
         return cli_usage_error(name, "--%s must be above 0 and at most %g, not %g", o->name, o->high, x);
     if (!above && (x < o->low || x > o->high))
@@ -131,7 +131,7 @@ static int check_range(const char *name, const cli_option *o, double x) {
 
 static int take_list(const char *name, const cli_option *o, const char *text) {
     if (!cli_read_list(text, o->to.list))
-        return cli_usage_error(name, "--%s wants numbers separated by commas (%s), not \"%s\"", o->name,
+        return cli_usage_error(name, "--%s must be numbers separated by commas (%s), not \"%s\"", o->name,
                                o->value, text);
     for (size_t i = 0; i < o->to.list->n; i++) {
         int code = check_range(name, o, o->to.list->value[i]);
@@ -144,7 +144,7 @@ static int take_list(const char *name, const cli_option *o, const char *text) {
 static int take_number(const char *name, const cli_option *o, const char *text) {
     double x = 0;
     if (!cli_read_number(text, &x))
-        return cli_usage_error(name, "--%s wants a number (%s), not \"%s\"", o->name, o->value, text);
+        return cli_usage_error(name, "--%s must be a number (%s), not \"%s\"", o->name, o->value, text);
     int code = check_range(name, o, x);
     if (code == CLI_OK && o->type == CLI_COUNT)
         *o->to.count = (size_t)x;
@@ -165,7 +165,8 @@ static int take(const char *name, const cli_option *o, const char *text) {
     case CLI_OUT:
     case CLI_OUT_FOLDER:
         if (!*text || strlen(text) >= CLI_PATH_MAX - 32)
-            return cli_usage_error(name, "--%s wants a name (%s)", o->name, o->value);
+            return cli_usage_error(name, "--%s needs a name that is not empty or too long (%s)", o->name,
+                                   o->value);
         *o->to.text = text;
         if (strcmp(text, "-") == 0 && (o->type == CLI_IN || o->type == CLI_OUT))
             *o->to.text = o->type == CLI_IN ? STDIN : "/dev/stdout";
@@ -236,7 +237,7 @@ static int unknown_option(const cli_command *command, const char *typed) {
 static int bad_option(const cli_command *command, int code, char **argv) {
     const char *name = command->name;
     if (code == ':')
-        return cli_usage_error(name, "%s wants a value; see palpate %s --help", argv[optind - 1], name);
+        return cli_usage_error(name, "%s needs a value; see palpate %s --help", argv[optind - 1], name);
     if (optopt >= FIRST_CODE)
         return cli_usage_error(name, "%s takes no value; see palpate %s --help", argv[optind - 1], name);
     if (optopt && strncmp(argv[optind - 1], "--", 2) != 0)
@@ -310,7 +311,7 @@ void cli_help(const cli_command *command, FILE *to) {
             help_line(o, to);
     }
     if (wants_force(command))
-        fprintf(to, "  --force%*slet an output replace a recording\n", HELP_COLUMN - 9, "");
+        fprintf(to, "  --force%*sallow an output to replace a recording\n", HELP_COLUMN - 9, "");
     fprintf(to, "  --help%*sthis text\n\nExample:\n%s", HELP_COLUMN - 8, "", command->example);
 }
 

@@ -21,7 +21,7 @@ int open_model_of(const char *command, const char *file, palp_model_kind kind, c
 int open_refuse_mass(const char *command, const char *file, const palp_model *model) {
     return model->density_kg_m3 > 0
                ? cli_failure(command,
-                             "%s: has density_kg_m3, and a network is fitted without mass; "
+                             "%s: has density_kg_m3, but networks are fitted without mass; "
                              "remove the key",
                              file)
                : CLI_OK;

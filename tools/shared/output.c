@@ -84,10 +84,10 @@ int cli_output_check(const char *name, const char *path, bool force, size_t n_in
     temporary_tidy_on_signal(path);
     for (size_t i = 0; i < n_inputs; i++)
         if (is_input(path, inputs[i]))
-            return cli_failure(name, "%s: is an input or named twice: name another output", path);
+            return cli_failure(name, "%s: is an input, or an output named twice; name another output", path);
     return force || !is_recording(path)
                ? CLI_OK
-               : cli_failure(name, "%s: is a recording: name another output, or give --force", path);
+               : cli_failure(name, "%s: is a recording; name another output, or give --force", path);
 }
 
 /* Whether a file's name is one of the patterns. */
@@ -113,8 +113,9 @@ static int check_folder(const cli_command *command, const cli_option *o, bool fo
     temporary_tidy_on_signal(path);
     for (size_t i = 0; i < n && code == CLI_OK; i++) {
         if (matches(o->files, cli_base(others[i])) && stands_together(others[i], path))
-            code = cli_failure(command->name, "%s: is an input or named twice: --%s would replace it",
-                               others[i], o->name);
+            code =
+                cli_failure(command->name, "%s: is an input, or an output named twice; --%s would replace it",
+                            others[i], o->name);
     }
     DIR *open = opendir(folder);
     for (struct dirent *entry; open && code == CLI_OK && (entry = readdir(open)) != NULL;) {
@@ -177,7 +178,7 @@ int cli_folder(const char *name, const char *folder) {
     struct stat entry;
     if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &entry) == 0 && S_ISDIR(entry.st_mode)))
         return CLI_OK;
-    return cli_failure(name, "%s: is no folder and cannot be made", folder);
+    return cli_failure(name, "%s: is not a folder and cannot be created", folder);
 }
 
 const char *cli_base(const char *path) {

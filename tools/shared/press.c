@@ -236,7 +236,7 @@ void press_warn_beyond(const char *name, const palp_law *law, double largest_str
     if (first_s >= 0)
         snprintf(from, sizeof from, " from t = %.4g s", first_s);
     cli_warning(name,
-                "beyond the measured strain of %.4g%s, to %.4g: the law goes on along its tangent there, not "
+                "beyond the measured strain of %.4g%s, to %.4g: the law is extended along its tangent, not "
                 "measured",
                 law->strain_max, from, largest_strain);
 }
@@ -246,7 +246,7 @@ void press_warn_buckled(const char *name, double stable_m, double unstable_m, do
     cli_warning(name, "the network buckles between %.4g and %.4g mm (strain %.4g..%.4g); %s", 1e3 * stable_m,
                 1e3 * unstable_m, stable_m / height_m, unstable_m / height_m,
                 branch == PALP_BRANCH_STABLE
-                    ? "descended to a stable branch; --branch continue follows Newton's method"
-                    : "following the branch of Newton's method; --branch stable descends to "
-                      "the stable one");
+                    ? "followed a stable branch; --branch continue follows Newton's method"
+                    : "followed the branch that Newton's method finds; --branch stable follows "
+                      "a stable one");
 }

@@ -15,52 +15,55 @@ static const char NAME[] = "simulate";
 static int parse(int argc, char **argv, simulate_options *o) {
     const cli_option options[] = {
         cli_heading("Protocol"),
-        cli_choice("protocol", "static|ramp_hold|cyclic|creep", &o->protocol, "what the plate does"),
-        cli_in("like", "RUN.csv", &o->like, "instead: follow the depth a run recorded, at its samples"),
+        cli_choice("protocol", "static|ramp_hold|cyclic|creep", &o->protocol, "motion of the plate"),
+        cli_in("like", "RUN.csv", &o->like, "instead: follow the recorded depth of a run, at its samples"),
         cli_positive("depth-mm", "MM", 1e4, &o->depth_mm, "depth to press to, mm (not creep)"),
         cli_positive("rate-mm-s", "R", 1e6, &o->rate_mm_s,
-                     "speed of the plate, mm/s (static 0.1, cyclic 1; ramp_hold: instead of\n"
-                     "--ramp-s)"),
-        cli_positive("ramp-s", "S", 1e9, &o->ramp_s, "time of the ramp, s (ramp_hold, creep; default 1)"),
+                     "speed of the plate, mm/s (default: static 0.1, cyclic 1; ramp_hold:\n"
+                     "use it instead of --ramp-s)"),
+        cli_positive("ramp-s", "S", 1e9, &o->ramp_s, "duration of the ramp, s (ramp_hold, creep; default 1)"),
         cli_number("hold-s", "S", 0, 1e9, &o->hold_s,
-                   "time held after it, s (ramp_hold, creep; default 200)"),
-        cli_count("cycles", "N", 1, 1e5, &o->cycles, "presses and returns (cyclic; default 3)"),
+                   "duration of the dwell, s (ramp_hold, creep; default 200)"),
+        cli_count("cycles", "N", 1, 1e5, &o->cycles,
+                  "number of presses, each with its return (cyclic; default 3)"),
         cli_positive("force-N", "F", 1e6, &o->force_N, "force on the plate, N (creep)"),
-        cli_flag("relaxed", &o->relaxed, "every sample fully relaxed, at no particular rate (static)"),
+        cli_flag("relaxed", &o->relaxed, "fully relaxed force at every sample (static)"),
         cli_heading("Solution"),
         cli_positive("dt-ms", "MS", 1e9, &o->dt_ms, "fixed time steps of at most MS ms"),
         cli_positive("tolerance", "REL", 0.1, &o->tolerance,
-                     "instead: steps that keep the force this exact, relative to the\n"
-                     "largest (default 1e-4)"),
+                     "instead: steps with this error of the force, relative to the largest\n"
+                     "force (default 1e-4)"),
         cli_choice("branch", "continue|stable", &o->branch,
-                   "which equilibrium to follow where the network buckles: the one\n"
-                   "Newton's method follows (default), or descend to a stable one"),
+                   "equilibrium to follow where the network buckles: the one that\n"
+                   "Newton's method finds (default), or a stable one"),
         cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes,
-                   "nodes along x, y, z, instead of the model's lattice"),
+                   "nodes along x, y and z, instead of those of the model's lattice"),
         cli_choice("solver", "auto|band|simplicial|supernodal", &o->solver, "sparse solver (default auto)"),
         cli_heading("Tester"),
         cli_positive("sample-Hz", "F", 1e9, &o->sample_Hz,
-                     "even samples, F a second (default: where the force needs them)"),
+                     "constant sampling rate, Hz (default: samples where the force bends)"),
         cli_number("air-s", "S", 0, 1e6, &o->air_s,
-                   "S seconds of free air before contact, at the speed of the first\n"
-                   "ramp (needs --sample-Hz)"),
-        cli_number("noise-N", "SD", 0, 1e6, &o->noise_N, "white Gaussian noise on the force, N"),
+                   "begin S seconds before contact, at the speed of the first ramp\n"
+                   "(needs --sample-Hz)"),
+        cli_number("noise-N", "SD", 0, 1e6, &o->noise_N,
+                   "standard deviation of white Gaussian noise on the force, N"),
         cli_count("seed", "N", 0, 9e15, &o->seed,
-                  "which noise (default 1); the same seed gives the same run"),
-        cli_number("hum-N", "A", 0, 1e6, &o->hum_N, "mains hum on the force: amplitude, N, at 50 Hz"),
-        cli_text("spike", "T,F", &o->spike, "F newtons more on the sample at T s; more pairs: T,F,T,F"),
-        cli_number("clip-N", "F", 0, 1e6, &o->clip_N, "the sensor ends at F and -F newtons"),
-        cli_text("drop", "T0,T1", &o->drop, "samples from T0 to before T1 s are lost; more pairs likewise"),
+                  "seed of the noise (default 1); the same seed gives the same run"),
+        cli_number("hum-N", "A", 0, 1e6, &o->hum_N, "amplitude of mains hum on the force, N, at 50 Hz"),
+        cli_text("spike", "T,F", &o->spike, "add F newtons to the sample at T s; several: T,F,T,F"),
+        cli_number("clip-N", "F", 0, 1e6, &o->clip_N, "the sensor saturates at F and -F newtons"),
+        cli_text("drop", "T0,T1", &o->drop,
+                 "lose the samples from T0 s until before T1 s; several: T0,T1,T0,T1"),
         cli_heading("Output"),
         cli_out("out", "RUN.csv", &o->out, "the run (default: standard output)"),
         cli_out_folder("vtu", "DIR", &o->vtu, "network.pvd network_*.vtu",
-                       "frames for ParaView into DIR/network.pvd (network)"),
-        cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "a frame every N steps only (default 1)"),
+                       "frames for ParaView, DIR/network.pvd (networks only)"),
+        cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "write a frame every N steps (default 1)"),
         cli_flag("band", &o->band,
-                 "columns force_low_N and force_high_N: the 95 % band of the force by the\n"
-                 "covariance in the model, without the sensor's noise; of a model of several\n"
-                 "specimens that of one that was not measured"),
-        cli_flag("json", &o->json, "a summary as JSON on standard output; the run only to --out"),
+                 "columns force_low_N and force_high_N: 95 % band of the force from the model's\n"
+                 "covariance, without sensor noise; for a model of several specimens the band\n"
+                 "of a specimen that was not measured"),
+        cli_flag("json", &o->json, "a summary as JSON on standard output; the run goes to --out only"),
     };
     const cli_command command = {
         NAME,
@@ -96,14 +99,14 @@ static int check_options(simulate_options *o) {
                 {"force-N", o->force_N > 0, CREEP},
                 {"relaxed", o->relaxed, STATIC}};
     if ((o->protocol >= 0) == (o->like != NULL))
-        return cli_usage_error(NAME, "say what the plate does by either --protocol or --like");
+        return cli_usage_error(NAME, "give the motion of the plate by either --protocol or --like");
     for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
         if (uses[i].given && (o->like || !(uses[i].goes_with & (1 << o->protocol))))
             return cli_usage_error(NAME, "--%s does not go with %s%s", uses[i].option,
                                    o->like ? "--like" : "--protocol ", o->like ? "" : protocols[o->protocol]);
     }
     if (o->rate_mm_s > 0 && o->ramp_s > 0)
-        return cli_usage_error(NAME, "--rate-mm-s and --ramp-s say the same thing; leave one out");
+        return cli_usage_error(NAME, "--rate-mm-s and --ramp-s both set the speed; leave one out");
     if (o->protocol >= 0 && !(o->protocol == 3 ? o->force_N > 0 : o->depth_mm > 0))
         return cli_usage_error(NAME, "--protocol %s needs --%s", protocols[o->protocol],
                                o->protocol == 3 ? "force-N" : "depth-mm");
@@ -160,12 +163,13 @@ static int check_path(const simulate_options *o, const palp_path *path, double h
     for (size_t i = 0; path->depth_m && i < path->n; i++)
         deepest = fmax(deepest, path->depth_m[i]);
     if (o->dt_ms > 0 && length / (1e-3 * o->dt_ms) > 1e8)
-        return cli_usage_error(NAME, "%g s in steps of %g ms are too many; raise --dt-ms", length, o->dt_ms);
+        return cli_usage_error(NAME, "%g s in steps of %g ms are too many steps; raise --dt-ms", length,
+                               o->dt_ms);
     if (deepest < height_m)
         return CLI_OK;
     if (o->like)
         return cli_failure(NAME,
-                           "%s: depth_mm reaches %g, beyond the model's height of %g mm; take the model of "
+                           "%s: depth_mm reaches %g, beyond the model's height of %g mm; use the model of "
                            "that specimen",
                            o->like, 1e3 * deepest, 1e3 * height_m);
     return cli_usage_error(NAME, "--depth-mm %g is beyond the model's height of %g mm; press less",
@@ -183,7 +187,7 @@ static int override_nodes(const simulate_options *o, simulation *s) {
     if (s->model.kind != PALP_MODEL_NETWORK || s->source.kind != PALP_MESH_LATTICE)
         return cli_usage_error(NAME, "--nodes changes a lattice; %s has none", o->model);
     if (!cli_spread(&o->nodes, nodes))
-        return cli_usage_error(NAME, "--nodes wants one or three numbers, e.g. 5 or 5,7,5");
+        return cli_usage_error(NAME, "--nodes must be one or three numbers, e.g. 5 or 5,7,5");
     for (int i = 0; i < 3; i++)
         s->source.nodes[i] = (size_t)nodes[i];
     return CLI_OK;
@@ -238,8 +242,8 @@ static int run_plain(const simulate_options *o, simulation *s) {
     if (code || !pulls(o, s))
         return code;
     if (o->vtu) {
-        cli_warning(NAME, "the plate pulls at the specimen on its way back, as it never leaves it in the "
-                          "frames of --vtu; without --vtu it does");
+        cli_warning(NAME, "with --vtu the plate stays bonded to the specimen and pulls on its way back; "
+                          "without --vtu it lifts off");
         return code;
     }
     record_free(&s->curve);

@@ -62,13 +62,13 @@ int simulate_band(const simulate_options *o, simulation *s) {
     palp_status status = read_covariance(o, s, &covariance, &part, &error);
     if (status == PALP_OK && !covariance)
         return cli_failure(NAME,
-                           "%s: does not say how well it is known (no \"covariance\"); palpate characterize "
+                           "%s: --band needs a \"covariance\" in the model; palpate characterize "
                            "--out and palpate calibrate --out write it",
                            o->model);
     if (status == PALP_OK && part)
         cli_warning(NAME,
-                    "%s: does not say how well the mean of its specimens is known (no \"covariance\"): the "
-                    "band holds what specimens differ by, and is too narrow by the rest",
+                    "%s: has no \"covariance\": the band shows how specimens differ, but not the "
+                    "uncertainty of their mean, and is too narrow",
                     o->model);
     status = status ? status : find(s, covariance, &error);
     free(covariance);

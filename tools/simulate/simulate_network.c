@@ -74,8 +74,8 @@ int simulate_network(const simulate_options *o, simulation *s) {
         press_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, settings.branch);
     if (s->info.inverted > 0)
         cli_warning(NAME,
-                    "up to %zu of %zu tetrahedra of the mesh are inside out at once: there the model is no "
-                    "tissue; press less",
+                    "up to %zu of %zu tetrahedra of the mesh are inverted at once: their forces mean "
+                    "nothing; press less",
                     s->info.inverted, palp_mesh_tetrahedron_count(s->mesh));
     return status ? run_failed(o, s, status) : CLI_OK;
 }

@@ -22,7 +22,7 @@ static int check(const simulate_options *o, const simulation *s) {
         return cli_usage_error(NAME, "%s is a reduced model: it follows a depth, not a force", o->model);
     if (!(s->height_m > 0))
         return cli_failure(
-            NAME, "%s has a free top that no plate presses; step it from a program (palpate/reduce.h)",
+            NAME, "%s was made for tools and has no plate; step it from a program (palpate/reduce.h)",
             o->model);
     return CLI_OK;
 }

@@ -163,7 +163,7 @@ static int pairs(const char *option, const char *text, bool rising, cli_list *li
     for (size_t j = 0; good && rising && j + 1 < list->n; j += 2)
         good = list->value[j] < list->value[j + 1];
     return good ? CLI_OK
-                : cli_usage_error(NAME, "--%s wants pairs of numbers (%s), not \"%s\"", option,
+                : cli_usage_error(NAME, "--%s must be pairs of numbers (%s), not \"%s\"", option,
                                   rising ? "T0,T1 with T0 before T1" : "T,F", text);
 }
 

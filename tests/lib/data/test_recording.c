@@ -384,7 +384,7 @@ static palp_experiment *a_step_of(double sds) {
 }
 
 START_TEST(a_contact_is_six_sds_of_force) {
-    refused(a_step_of(5.8), "never leaves its noise");
+    refused(a_step_of(5.8), "never exceeds its noise");
     palp_recording r = prepare(a_step_of(6.2));
     palp_recording_free(&r);
 }
@@ -430,11 +430,11 @@ START_TEST(what_cannot_be_used_is_refused_in_one_line) {
     double *force = palp_experiment_column(e, "force_N");
     for (size_t i = 0; i < palp_experiment_rows(e); i++)
         force[i] = i % 2 ? 0.004 : -0.004;
-    refused(e, "never leaves its noise");
-    refused(times(1.0, 0.0), "never leaves its noise");
+    refused(e, "never exceeds its noise");
+    refused(times(1.0, 0.0), "never exceeds its noise");
     e = times(1.0, 1.0);
     palp_experiment_set_number(e, "specimen.height_mm", 3.0);
-    refused(e, "does not fit a specimen");
+    refused(e, "exceeds the specimen's height");
     e = times(1.0, 1.0);
     palp_experiment_column(e, "force_N")[50] = (double)NAN;
     refused(e, "not finite");
@@ -445,7 +445,7 @@ START_TEST(what_cannot_be_used_is_refused_in_one_line) {
     palp_experiment_column(e, "time_s")[50] = 0.049;
     refused(e, "does not increase");
     ck_assert_int_eq(palp_experiment_create(40, &e), PALP_OK);
-    refused(e, "no specimen.height_mm");
+    refused(e, "has no specimen.height_mm");
     ck_assert_int_eq(palp_experiment_create(15, &e), PALP_OK);
     palp_experiment_set_number(e, "specimen.height_mm", 24.0);
     refused(e, "15 samples are too few");

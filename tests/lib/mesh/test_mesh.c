@@ -153,11 +153,11 @@ START_TEST(create_refuses_bad_meshes) {
                {far, 2, {0, 2, 0, 1}, "too far apart"},
                {triangle, 2, {0, 1, 2, 2}, "element 1: nodes 2 and 2"},
                {lost, 2, {0, 1, 1, 2}, "node 1: a coordinate is not finite"},
-               {triangle, 2, {0, 1, 1, 3}, "element 1: there is no node 3, the mesh has 3"},
+               {triangle, 2, {0, 1, 1, 3}, "element 1: there is no node 3; the mesh has 3 nodes"},
                {triangle, 2, {0, 1, -1, 2}, "there is no node -1"},
-               {triangle, 3, {0, 1, 1, 2, 1, 0}, "1 elements join a pair"},
-               {triangle, 1, {0, 1}, "2 parts: no elements lead from node 0 to node 2"},
-               {triangle, 1, {1, 2}, "2 parts: no elements lead from node 0 to node 1"}};
+               {triangle, 3, {0, 1, 1, 2, 1, 0}, "1 elements join the same nodes"},
+               {triangle, 1, {0, 1}, "2 separate parts: no elements connect node 0 to node 2"},
+               {triangle, 1, {1, 2}, "2 separate parts: no elements connect node 0 to node 1"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         palp_error error = {PALP_OK, ""};
         palp_mesh *mesh = NULL;

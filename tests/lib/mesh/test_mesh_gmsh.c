@@ -137,8 +137,8 @@ static const struct {
     int line;
     const char *text;
 } bad_files[] = {
-    {"bad_version", 2, "MSH version 2.2 is not read"},
-    {"bad_binary", 2, "a binary file is not read"},
+    {"bad_version", 2, "MSH version 2.2 is not supported"},
+    {"bad_binary", 2, "binary files are not supported"},
     {"bad_no_format", 1, "$MeshFormat is expected before $Nodes"},
     {"bad_not_gmsh", 1, "not 'solid thing'"},
     {"bad_empty", 1, "the file ends without $MeshFormat"},
@@ -155,9 +155,9 @@ static const struct {
     {"bad_same_place", 22, "nodes 4 and 5 are at the same place"},
     {"bad_flat", 22, "a flat tetrahedron"},
     {"bad_repeated_node", 22, "an element has node 3 twice"},
-    {"bad_repeated_element", 22, "an element with the nodes of the one of line 21"},
+    {"bad_repeated_element", 22, "an element with the same nodes as that of line 21"},
     {"bad_nothing_usable", 18, "there are no 4-node tetrahedra"},
-    {"bad_prisms", 20, "elements of type 6 are not read"},
+    {"bad_prisms", 20, "elements of type 6 are not supported"},
     {"bad_negative_count", 6, "a number in the block of -5 is out of range"},
     {"bad_huge_count", 5, "a total number of 99999999999999999999 is out of range"},
     {"bad_long_block", 12, "a node tag of 0 is out of range"},
@@ -165,11 +165,11 @@ static const struct {
     {"bad_many_elements", 20, "more elements than $Elements announces"},
     {"bad_few_elements", 22, "1 elements fewer than $Elements announces"},
     {"bad_end", 23, "$EndElements is expected, not '$EndElement'"},
-    {"bad_second_nodes", 18, "$Nodes stands a second time"},
+    {"bad_second_nodes", 18, "$Nodes is given a second time"},
     {"bad_elements_first", 4, "$Nodes is expected before $Elements"},
-    {"bad_partitioned", 4, "a partitioned mesh is not read"},
+    {"bad_partitioned", 4, "partitioned meshes are not supported"},
     {"bad_name", 6, "a name in quotation marks is expected, not 'bottom'"},
-    {"bad_parts", 11, "the mesh falls into 3 parts: no elements lead from node 1 to node 5"},
+    {"bad_parts", 11, "the mesh has 3 separate parts: no elements connect node 1 to node 5"},
 };
 
 START_TEST(gmsh_bad_files_say_where) {

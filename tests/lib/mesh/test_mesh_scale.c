@@ -171,7 +171,7 @@ START_TEST(flat_tetrahedra_are_refused) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_mesh_scale(mesh, PALP_SCALING_VOLUME, AREA, &error);
     ck_assert_int_eq(status, PALP_ERR_INPUT);
-    ck_assert_ptr_nonnull(strstr(error.text, "no tetrahedra of any volume"));
+    ck_assert_ptr_nonnull(strstr(error.text, "belongs to no tetrahedron with a volume"));
     palp_mesh_free(mesh);
 }
 END_TEST

@@ -332,7 +332,7 @@ START_TEST(specimens_that_are_none_are_refused) {
     refused_specimens("{\"count\": 3}", "has no \"between\"");
     refused_specimens("{\"between\": [[1, 0], [0, 1]]}", "count");
     refused_specimens("{\"count\": 3, \"between\": [[1, 0]]}", "has 1 rows");
-    refused_specimens("{\"count\": 3, \"between\": [[1, 2], [2, 1]]}", "is no covariance");
+    refused_specimens("{\"count\": 3, \"between\": [[1, 2], [2, 1]]}", "is not a covariance");
     refused_specimens("3", "must be");
 }
 END_TEST
@@ -340,8 +340,8 @@ END_TEST
 START_TEST(a_covariance_of_another_size_is_refused) {
     refused_covariance("[[1, 0]]", "has 1 rows, not one for each of the 2 parameters");
     refused_covariance("[[1, 0], [0]]", "has 1 numbers, not one for each of the 2 parameters");
-    refused_covariance("[[1, 2], [2, 1]]", "is no covariance");
-    refused_covariance("[[-1, 0], [0, 1]]", "is no covariance");
+    refused_covariance("[[1, 2], [2, 1]]", "is not a covariance");
+    refused_covariance("[[-1, 0], [0, 1]]", "is not a covariance");
     refused_covariance("[1, 2]", "must be");
 }
 END_TEST

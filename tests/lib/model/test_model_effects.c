@@ -98,19 +98,19 @@ static const struct {
     const char *text;
 } bad[] = {
     {"{\"id\": \"gremlins\", \"parameters\": {}}", 9, PALP_ERR_UNSUPPORTED,
-     "effects[0].id \"gremlins\" is an effect that this build does not know"},
+     "effects[0].id \"gremlins\" is not an effect of this version"},
     {"{\"id\": \"plate_slip\", \"parameters\": {\"slip\": 1}}", 9, PALP_ERR_UNSUPPORTED,
-     "effects[0].id \"plate_slip\" is no effect of a lumped model"},
+     "effects[0].id \"plate_slip\" is not an effect of a lumped model"},
     {"\n{\"id\": \"sensor_lag\"}", 10, PALP_ERR_INPUT, "effects[0] lacks \"parameters\""},
     {"\n{\"parameters\": {}}", 10, PALP_ERR_INPUT, "effects[0] lacks \"id\""},
     {"\n{\"id\": \"sensor_lag\",\n\"strength\": 1}", 11, PALP_ERR_INPUT,
-     "effects[0].strength is no known key: known here are id, parameters"},
+     "effects[0].strength is not a known key, which are id, parameters"},
     {"{\"id\": \"sensor_lag\", \"parameters\": {}}", 9, PALP_ERR_INPUT,
      "effects[0].parameters lacks \"time_s\""},
     {"{\"id\": \"sensor_lag\", \"parameters\":\n{\"time_ms\": 3}}", 10, PALP_ERR_INPUT,
-     "effects[0].parameters.time_ms is no known key: \"time_s\" is expected"},
+     "effects[0].parameters.time_ms is not a known key: \"time_s\" is expected"},
     {"{\"id\": \"sensor_lag\", \"parameters\": {\"time_s\": 3}},\n\n{\"id\": \"sensor_lag\"}", 11,
-     PALP_ERR_INPUT, "effects[1].id \"sensor_lag\" is there twice"},
+     PALP_ERR_INPUT, "effects[1].id \"sensor_lag\" is given twice"},
     {"{\"id\": \"frame_compliance\", \"parameters\": {\n\"compliance_mm_N\": -2}}", 10, PALP_ERR_INPUT,
      "effects[0].parameters.compliance_mm_N must be between 0 and 1e+15, not -2"},
     {"{\"id\": \"sensor_gain\", \"parameters\": {\"gain\": \"0.1\"}}", 9, PALP_ERR_INPUT,
@@ -149,7 +149,8 @@ START_TEST(sedef_takes_none) {
     memcpy(at, "\"sedef2008\"", 11);
     const char *path = scratch_write("sedef.json", text, strlen(text));
     ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), PALP_ERR_UNSUPPORTED);
-    ck_assert_ptr_nonnull(strstr(error.text, "sedef.json:9: effects do not go with formulation sedef2008"));
+    ck_assert_ptr_nonnull(
+        strstr(error.text, "sedef.json:9: effects are not supported by formulation sedef2008"));
 }
 END_TEST
 

@@ -17,14 +17,13 @@ static const struct {
     {"coefficients_text", 6, PALP_ERR_INPUT, "stiffness.coefficients_N[1] must be a number"},
     {"cut", 10, PALP_ERR_INPUT, "malformed JSON: string or '}' expected near end of file"},
     {"density", 13, PALP_ERR_INPUT, "density_kg_m3 must not be negative"},
-    {"effect", 12, PALP_ERR_UNSUPPORTED,
-     "effects[0].id \"plate_friction\" is an effect that this build does not know"},
+    {"effect", 12, PALP_ERR_UNSUPPORTED, "effects[0].id \"plate_friction\" is not an effect of this version"},
     {"empty", 1, PALP_ERR_INPUT, "malformed JSON: '[' or '{' expected near end of file"},
     {"formulation", 12, PALP_ERR_INPUT, "formulation must be \"history\" or \"sedef2008\", not \"maxwell\""},
     {"height_text", 4, PALP_ERR_INPUT, "specimen.height_mm must be a number"},
     {"height_zero", 4, PALP_ERR_INPUT, "specimen.height_mm must be greater than 0, not 0"},
     {"hyperelastic_count", 6, PALP_ERR_INPUT,
-     "stiffness.coefficients_Pa make no mooney_rivlin2 law: 3 of them"},
+     "stiffness.coefficients_Pa do not form a mooney_rivlin2 law: there are 3"},
     {"key_twice", 8, PALP_ERR_INPUT, "malformed JSON: duplicate object key near '\"stiffness_N\"'"},
     {"kind", 3, PALP_ERR_INPUT, "kind must be \"lumped\" or \"network\", not \"limped\""},
     {"knots", 6, PALP_ERR_INPUT, "stiffness.strain must increase (0.2 after 0.2)"},
@@ -32,10 +31,11 @@ static const struct {
     {"knots_negative", 6, PALP_ERR_INPUT, "stiffness.stiffness_N must be greater than 0 at every knot"},
     {"knots_start", 5, PALP_ERR_INPUT, "stiffness.strain must have at least two knots, the first at 0"},
     {"law", 5, PALP_ERR_INPUT,
-     "stiffness.kind \"cubic\" is none of polynomial, spline, neo_hookean, mooney_rivlin2, mooney_rivlin5, "
+     "stiffness.kind \"cubic\" is not one of polynomial, spline, neo_hookean, mooney_rivlin2, "
+     "mooney_rivlin5, "
      "yeoh, ogden"},
-    {"list", 1, PALP_ERR_INPUT, "no model of palpate: it lacks \"palpate\": {\"model\": 1}"},
-    {"mesh_in_lumped", 12, PALP_ERR_INPUT, "mesh belongs to a model of kind \"network\""},
+    {"list", 1, PALP_ERR_INPUT, "not a model of palpate: it lacks \"palpate\": {\"model\": 1}"},
+    {"mesh_in_lumped", 12, PALP_ERR_INPUT, "mesh is only for models of kind \"network\""},
     {"mesh_kind", 12, PALP_ERR_INPUT, "mesh.kind must be \"lattice\" or \"file\", not \"grid\""},
     {"nan", 8, PALP_ERR_INPUT, "malformed JSON: invalid token near 'NaN'"},
     {"neighbourhood", 13, PALP_ERR_INPUT, "mesh.neighbourhood must be 6, 18 or 26, not 8"},
@@ -48,31 +48,32 @@ static const struct {
     {"nodes_many", 13, PALP_ERR_INPUT, "mesh.nodes must be three counts, below 2^31 nodes in all"},
     {"nodes_one", 13, PALP_ERR_INPUT, "mesh.nodes must be whole numbers of at least 2, not 1"},
     {"nodes_two", 13, PALP_ERR_INPUT, "mesh.nodes must be three counts, below 2^31 nodes in all"},
-    {"other", 1, PALP_ERR_INPUT, "no model of palpate: it lacks \"palpate\": {\"model\": 1}"},
+    {"other", 1, PALP_ERR_INPUT, "not a model of palpate: it lacks \"palpate\": {\"model\": 1}"},
     {"overflow", 8, PALP_ERR_INPUT, "malformed JSON: real number overflow near '1e999'"},
     {"poisson", 13, PALP_ERR_INPUT, "poisson_ratio must be from 0.25 to below 0.5"},
     {"poisson_and_volume", 14, PALP_ERR_INPUT, "poisson_ratio does not go with volume_modulus_Pa"},
     {"path", 13, PALP_ERR_INPUT, "mesh.path must be the path of a Gmsh file"},
     {"area", 14, PALP_ERR_INPUT, "mesh.area_mm2 must be greater than 0, not 0"},
-    {"area_alone", 13, PALP_ERR_INPUT, "mesh.area_mm2 goes with \"scaling\""},
+    {"area_alone", 13, PALP_ERR_INPUT, "mesh.area_mm2 needs \"scaling\" too"},
     {"scaling", 13, PALP_ERR_INPUT,
      "mesh.scaling must be \"none\", \"volume\" or \"continuum\", not \"length\""},
     {"scale", 13, PALP_ERR_INPUT, "mesh.scale_mm must be greater than 0, not 0"},
     {"sedef_arms", 12, PALP_ERR_UNSUPPORTED,
-     "formulation make no material: formulation sedef2008 takes one arm at most, no dashpot, no "
+     "formulation cannot be used: formulation sedef2008 supports at most one arm, no dashpot and no "
      "quasi_linear"},
     {"size", 13, PALP_ERR_INPUT, "mesh.size_mm must be greater than 0, not 0"},
-    {"size_unit", 13, PALP_ERR_INPUT, "mesh.size_m is no known key: \"size_mm\" is expected"},
+    {"size_unit", 13, PALP_ERR_INPUT, "mesh.size_m is not a known key: \"size_mm\" is expected"},
     {"stiffness_falls", 5, PALP_ERR_INPUT,
-     "stiffness falls to -0.396 N between strain 0 and 0.4: it must stay above 0"},
+     "stiffness falls to -0.396 N between strain 0 and 0.4, but must stay above 0"},
     {"unit_coefficients", 6, PALP_ERR_INPUT,
-     "stiffness.coefficients_Pa is no known key: \"coefficients_N\" is expected"},
-    {"unit_height", 4, PALP_ERR_INPUT, "specimen.height_m is no known key: \"height_mm\" is expected"},
-    {"unit_missing", 10, PALP_ERR_INPUT, "arms[1].viscosity is no known key: \"viscosity_Ns\" is expected"},
+     "stiffness.coefficients_Pa is not a known key: \"coefficients_N\" is expected"},
+    {"unit_height", 4, PALP_ERR_INPUT, "specimen.height_m is not a known key: \"height_mm\" is expected"},
+    {"unit_missing", 10, PALP_ERR_INPUT,
+     "arms[1].viscosity is not a known key: \"viscosity_Ns\" is expected"},
     {"unit_stiffness", 9, PALP_ERR_INPUT,
-     "arms[1].stiffness_kN is no known key: \"stiffness_N\" is expected"},
+     "arms[1].stiffness_kN is not a known key: \"stiffness_N\" is expected"},
     {"unknown", 12, PALP_ERR_INPUT,
-     "colour is no known key: known here are palpate, kind, specimen, stiffness, arms, dashpot_Ns, "
+     "colour is not a known key, which are palpate, kind, specimen, stiffness, arms, dashpot_Ns, "
      "quasi_linear, formulation, effects, fractional, covariance, specimens"},
     {"version_2", 2, PALP_ERR_INPUT, "palpate.model is not 1, the version that this build reads"},
     {"viscosity", 10, PALP_ERR_INPUT, "arms[1].viscosity_Ns must be greater than 0, not -30"},
@@ -122,7 +123,7 @@ START_TEST(line_is_found_in_any_layout) {
     ck_assert_str_eq(error.text, want);
     scratch_write("m.json", quoted, sizeof quoted - 1);
     ck_assert_int_eq(palp_model_read(path, &model, NULL, &error), PALP_ERR_INPUT);
-    snprintf(want, sizeof want, "%s:1: a \"}] \\ is no known key", path); /* escapes: its object's line */
+    snprintf(want, sizeof want, "%s:1: a \"}] \\ is not a known key", path); /* escapes: its object's line */
     ck_assert_int_eq(strncmp(error.text, want, strlen(want)), 0);
 }
 END_TEST

@@ -164,7 +164,7 @@ START_TEST(what_cannot_be_written_is_named) {
         ck_assert_ptr_null(series);
     }
     ck_assert_int_eq(palp_vtu_open("/nowhere/at/all", "a", &series, &error), PALP_ERR_FILE);
-    ck_assert_str_eq(error.text, "/nowhere/at/all: cannot make the folder: No such file or directory");
+    ck_assert_str_eq(error.text, "/nowhere/at/all: cannot create the folder: No such file or directory");
     const char *file = scratch_write("file", "x", 1);
     ck_assert_int_eq(palp_vtu_open(file, "a", &series, &error), PALP_ERR_FILE);
     ck_assert_int_eq(palp_vtu_close(NULL, &error), PALP_OK);

@@ -315,11 +315,11 @@ START_TEST(what_cannot_be_run_is_told) {
     palp_model m = lumped_model(2);
     ramp(1, 2, 5);
     add_effect(&m, PALP_EFFECT_PLATE_SLIP, 1);
-    fails(&m, PALP_ERR_UNSUPPORTED, "plate_slip is no effect of a lumped model");
+    fails(&m, PALP_ERR_UNSUPPORTED, "plate_slip is not an effect of a lumped model");
     m.n_effects = 0;
     add_effect(&m, PALP_EFFECT_SENSOR_LAG, 1);
     add_effect(&m, PALP_EFFECT_SENSOR_LAG, 1);
-    fails(&m, PALP_ERR_ARGUMENT, "sensor_lag is there twice");
+    fails(&m, PALP_ERR_ARGUMENT, "sensor_lag is given twice");
     m.n_effects = 1;
     m.effects[0].value[0] = -1;
     fails(&m, PALP_ERR_ARGUMENT, "sensor_lag: time_s must be between");
@@ -338,7 +338,7 @@ START_TEST(what_cannot_be_run_is_told) {
     for (size_t j = 0; j < PALP_ARMS_MAX; j++)
         m.material.arms[j] = (palp_arm){.stiffness_N = 1, .viscosity_Ns = 1};
     add_effect(&m, PALP_EFFECT_RELAXATION_ARM, 1);
-    fails(&m, PALP_ERR_LIMIT, "arms already");
+    fails(&m, PALP_ERR_LIMIT, "relaxation_arm: the model already has");
     m = lumped_model(2);
     s.time_s[3] = s.time_s[2];
     fails(&m, PALP_ERR_ARGUMENT, "sample 3: times must increase");
