@@ -40,7 +40,7 @@ wrong "cyclic.csv: its path is more than one press" calibrate $L cyclic.csv --no
 rows few.csv 'd = i < 15 ? 0 : i - 15; f = d'
 wrong "few.csv: has 4 samples of increasing depth" calibrate $L few.csv --nodes 3 --stage static
 run alone.csv static '0,0,0\n'
-wrong "alone.csv: 1 samples are too few" calibrate $L alone.csv --nodes 3
+wrong "alone.csv: has 1 samples, but at least 16 are needed" calibrate $L alone.csv --nodes 3
 # What characterize refuses no other command takes for a press of the specimen.
 rows dead.csv 'f = i % 2 ? 0.004 : -0.003'
 rows negated.csv 'f = -f'

@@ -8,7 +8,7 @@ H="--port rig --firmware host --store flash.bin"
 
 # ---- shown and set ----
 expect 0 $D show $H
-head -n 1 out | grep -q 'from compiled in, of no date; not kept' || fail "show: $(head -n 1 out)"
+head -n 1 out | grep -q '(compiled in), no date; not saved' || fail "show: $(head -n 1 out)"
 grep -q '^travel_m  *0.03  *0.03  *0.002  *0.5$' out || fail "show lacks the travel: $(grep travel out)"
 expect 0 $D set travel_m=0.028 Fz_N.0=2.7e-4 calibration_day=20000 compliance_m_N=2e-6 $H --yes
 grep -q '^travel_m: 0.028 instead of 0.03$' err || fail "set does not say what changes: $(cat err)"

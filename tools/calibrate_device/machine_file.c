@@ -40,7 +40,7 @@ static json_t *file_of(const device *d, const device_parameters *p) {
 static void print(const device_parameters *p) {
     char date[16], value[24], standard[24], low[24], high[24];
     device_date(device_parameter_value(p, "calibration_day", 0), date);
-    printf("calibration %08x, from %s, of %s%s\n", (unsigned)p->now.id, device_source_text(p->now.source),
+    printf("calibration %08x (%s), %s%s\n", (unsigned)p->now.id, device_source_text(p->now.source),
            *date ? date : "no date",
            p->now.id == p->now.stored_id ? ""
            : p->now.stored_id            ? "; changed since it was saved"

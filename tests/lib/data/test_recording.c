@@ -448,7 +448,7 @@ START_TEST(what_cannot_be_used_is_refused_in_one_line) {
     refused(e, "has no specimen.height_mm");
     ck_assert_int_eq(palp_experiment_create(15, &e), PALP_OK);
     palp_experiment_set_number(e, "specimen.height_mm", 24.0);
-    refused(e, "15 samples are too few");
+    refused(e, "has 15 samples, but at least 16 are needed");
 }
 END_TEST
 

@@ -332,7 +332,7 @@ START_TEST(what_cannot_be_run_is_told) {
     fails(&m, PALP_ERR_UNSUPPORTED, "sedef2008");
     m = lumped_model(2);
     add_effect(&m, PALP_EFFECT_SESSION_AGEING, 1)->value[0] = -0.9 / 3600;
-    fails(&m, PALP_ERR_ARGUMENT, "nothing is left");
+    fails(&m, PALP_ERR_ARGUMENT, "session_ageing leaves no force");
     m.n_effects = 0;
     m.material.n_arms = PALP_ARMS_MAX;
     for (size_t j = 0; j < PALP_ARMS_MAX; j++)
