@@ -202,8 +202,8 @@ static float first_rate(const trajectory *t) {
     return has_rate && s->rate_m_s > MOTION_RATE_M_S ? s->rate_m_s : MOTION_RATE_M_S;
 }
 
-/* In the specimen: momentum, and the two ticks until the motor is off (more where the sensor is slow), add no
- * more than the limit itself to a force that passes it. */
+/* A speed in the specimen is allowed if the force exceeds its limit by at most the limit itself: by momentum,
+ * and in the two ticks until the motor is off (more with a slow sensor). */
 static float safe_m_s(const app *a) {
     const float k = a->stiffness_N_m, blind_s = 2.0f * TICK_S + a->machine.force_delay_s;
     const float momentum_Ns_m = a->machine.stepper ? 0.0f : __builtin_sqrtf(k * a->machine.moving_kg);

@@ -7,10 +7,10 @@
 #define HOME_RATE_M_S 0.01f
 #define HOME_SLOW_M_S 0.002f  /* 2 um a tick, which is how well the edge is known */
 #define HOME_REST_M 1e-3f     /* where homing ends */
-#define HOME_OFF_M 5e-4f      /* at least so far off the switch, */
+#define HOME_OFF_M 5e-4f      /* least distance from the switch, */
 #define HOME_OFF_MOST_M 3e-3f /* which has to open within this */
-#define BEYOND_M 3e-4f        /* the plate may be so far outside its travel, */
-#define STOP_M 1e-3f          /* and so far at a hard stop when it is homed */
+#define BEYOND_M 3e-4f        /* largest distance of the plate outside its travel, */
+#define STOP_M 1e-3f          /* and at a hard stop when it is homed */
 
 enum { HOME_LEAVE, HOME_SEEK, HOME_LEAVE_AGAIN, HOME_SEEK_SLOWLY, HOME_BACK_OFF };
 enum { HOME_SURE = 3 /* ticks in a row that the switch is closed */ };

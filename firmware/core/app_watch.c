@@ -44,13 +44,12 @@ static void stop_for(app *a) {
             return;
 }
 
-/* What presses the plate; at the rail by the sensor's own counts, since a tare there would make it nothing.
- */
+/* Force on the plate. If the sensor is saturated it follows from its counts, as a tare then would hide it. */
 static bool from_below(const app *a) {
     return a->saturated ? a->force.matrix[FORCE_Z][0] * (float)a->in.adc[0] > 0.0f : a->force_N > 0.0f;
 }
 
-/* A stepper on its way up, to home: that makes a force from below smaller. */
+/* A stepper that moves up to home, which reduces the force. */
 static bool leaves(const app *a) {
     return a->machine.stepper && a->supervisor.state == PALP_WIRE_STATE_HOMING && !a->in.home_switch &&
            a->reference.velocity_m_s <= 0.0f && from_below(a);

@@ -16,16 +16,16 @@ static contact_phase found(contact *c, float position_m, float stiffness_N_m) {
     return CONTACT_FOUND;
 }
 
-/* The line through what was measured; where noise hides its slope it is made longer. The slope's variance is
- * rest / ((n - 2) xx). Positions count from touched_m, so that nothing cancels. */
+/* Fits a line to the samples; it is extended while noise hides its slope. The slope's variance is
+ * residual / ((n - 2) xx). Positions are relative to touched_m, to avoid cancellation. */
 static contact_phase fit(contact *c, bool hard, bool over) {
     float mean_x = c->sum_x / c->n, mean_f = c->sum_f / c->n;
     float xx = c->sum_xx - mean_x * c->sum_x, xf = c->sum_xf - mean_x * c->sum_f;
     float ff = c->sum_ff - mean_f * c->sum_f;
     if (c->n > 3.0f && xx > 1e-12f && xf > 0.0f) {
-        float slope = xf / xx, rest = ff - slope * xf,
+        float slope = xf / xx, residual = ff - slope * xf,
               sds = hard || over ? CONTACT_LEAST_SD : CONTACT_SURE_SD;
-        if (slope * xf * (c->n - 2.0f) > sds * sds * rest)
+        if (slope * xf * (c->n - 2.0f) > sds * sds * residual)
             return found(c, c->touched_m + mean_x - mean_f / slope, slope);
     }
     if (hard)

@@ -2,8 +2,8 @@
 #include "force.h"
 
 /* nN (nNm) a count. Three beams at 120 degrees, each with a gauge along the axis (0, 2, 4) and one across
- * (1, 3, 5), every gauge feeling a few per cent of the others' loads. A count on the three axial gauges
- * is 1/1250 N of z, and 25.1 N bring the first of them to its rail. */
+ * (1, 3, 5), with a few per cent of cross-talk. A count on the three axial gauges is
+ * 1/1250 N of z, and 25.1 N saturate the first of them. */
 static const int32_t matrix_nN[FORCE_AXES][PALP_WIRE_CHANNELS] = {
     {8440, 2920, -17450, -450150, 5500, 459720}, /* Fx */
     {-8700, 493160, -4290, -241020, 2830, -247560},

@@ -26,10 +26,10 @@ const machine machine_indenter = {
     .search_m_s = 0.01f,
 };
 
-/* A count is a sixteenth of a step of 1.8 degrees, on a screw of 2 mm a turn. An HX711 says every 12.5 ms
- * what was the case over the 50 ms before. Until then, and for two ticks more, what is as stiff as frame and
- * cell themselves (1e5 N/m) takes 13 N at the speed of a search: doc/indenter.md. Of the motor there is
- * nothing to control; what its figures are used for, its force and heat, comes out as none. */
+/* A count is a sixteenth of a step of 1.8 degrees, on a screw of 2 mm a turn. An HX711 gives the mean of the
+ * last 50 ms every 12.5 ms. Within this delay and two ticks the frame and cell (1e5 N/m) add 13 N at the
+ * speed of a search (doc/indenter.md). A stepper has no motor force to control, so its force and heat come
+ * out as zero. */
 #define STEPPER                                                                                              \
     .count_m = 0.625e-6f, .travel_m = 0.030f, .speed_m_s = 0.005f, .force_N = 20.0f, .motor_N = 72.0f,       \
     .moving_kg = 0.4f, .supply_V = 24.0f, .resistance_ohm = 4.0f, .force_constant_N_A = 12.0f,               \
@@ -40,6 +40,6 @@ const machine machine_indenter = {
 const machine machine_stepper = {STEPPER.search_m_s = 0.002f, .force_delay_s = 0.0625f,
                                  .force_lag_s = 0.03125f};
 
-/* An ADS1220 says in each tick what was the case over the last. */
+/* An ADS1220 gives in each tick the mean of the last one. */
 const machine machine_stepper_fast = {STEPPER.search_m_s = 0.005f, .force_delay_s = 0.002f,
                                       .force_lag_s = 0.001f};

@@ -12,7 +12,7 @@ enum { CONTROL_HZ = 1000 };
 typedef struct machine {
     float count_m;         /* metres an encoder count */
     float travel_m;        /* from home to the lower end */
-    float speed_m_s;       /* most that the drive can reach: a faster change is a jump of the encoder */
+    float speed_m_s;       /* highest of the drive; a faster change is a jump of the encoder */
     float force_N;         /* of the sensor, and so of any limit */
     float motor_N;         /* force at full duty and standstill */
     float motor_drag_Ns_m; /* force lost with speed, by back-EMF and friction */
@@ -26,8 +26,8 @@ typedef struct machine {
     uint16_t following_ticks;
     uint16_t host_timeout_ms;
     uint16_t overflow_samples; /* lost in a run before it is a fault */
-    float search_m_s;          /* most of a search or a jog, towards what may be met */
-    /* of a machine with a stepper, which follows its steps and holds without control */
+    float search_m_s;          /* highest speed of a search or jog towards a possible obstacle */
+    /* for a stepper, which follows its steps without control */
     bool stepper;
     int32_t count_nN;    /* of the one channel of its sensor; 0: six channels */
     float force_delay_s; /* largest age of the sensor's reading, */

@@ -4,7 +4,7 @@
 #include "machine.h"
 #include "real.h"
 
-/* Friction turns round within so much travel, and stays as it is at rest (Dahl's model). */
+/* Travel within which friction reverses; it stays constant at rest (Dahl's model). */
 #define FRICTION_M 1e-5f
 
 void pid_reset(pid *p) {

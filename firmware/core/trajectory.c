@@ -65,8 +65,8 @@ bool stroke_step(stroke *s, reference *next) {
 
 /* ---- waves ---- */
 
-/* Periods of a SWEEP: start * duration * (2^octaves - 1) / ln 2^octaves, and a little more: a last period
- * short by so much ends so close to rest that nobody can tell. */
+/* Periods of a SWEEP: start * duration * (2^octaves - 1) / ln 2^octaves, plus 0.002 against rounding. A last
+ * period that is short by this ends practically at rest. */
 static float sweep_cycles(float start_Hz, float octaves, float duration_s) {
     float x = octaves * REAL_LN2;
     float mean = real_abs(x) < 1e-3f ? 1.0f + 0.5f * x : (real_exp2(octaves) - 1.0f) / x;
@@ -241,7 +241,7 @@ void trajectory_begin(trajectory *t, uint8_t count, float start_m) {
         begin_segment(t);
 }
 
-/* Takes a way into the reach; waves are at most a hundredth faster than said where they fade. */
+/* Adds a motion to the reach; fading makes waves faster by at most a hundredth. */
 static void widen(reach *r, float low_m, float high_m, float speed_m_s) {
     r->low_m = low_m < r->low_m ? low_m : r->low_m;
     r->high_m = high_m > r->high_m ? high_m : r->high_m;
@@ -282,44 +282,42 @@ static bool cycle_step(trajectory *t, const segment *s) {
 
 /* ---- force ---- */
 
-/* From the air to contact; in the specimen at most so fast, and changing its speed at most so fast. */
-#define FORCE_AIR_M_S 1e-3f
-#define FORCE_MOST_M_S 0.02f
-#define FORCE_MOST_M_S2 5.0f
-#define FORCE_SLOPE_M 3e-4f /* from this depth on, force over depth is a stiffness, too */
-/* Poles of the loop: a sixth of the slowest position loop's (gains.c) where the specimen's slope is as
- * believed. */
-#define FORCE_W_S 12.0f
-#define FORCE_LATE 0.25f /* radians by which the sensor's delay may turn a wave of that frequency */
+#define FORCE_AIR_M_S 1e-3f  /* speed in the air, towards contact */
+#define FORCE_MOST_M_S 0.02f /* highest speed in the specimen */
+#define FORCE_MOST_M_S2 5.0f /* highest acceleration there */
+#define FORCE_SLOPE_M 3e-4f  /* from this depth on, force over depth is a valid stiffness */
+#define FORCE_W_S 12.0f      /* poles of the loop, 1/s: a sixth of the slowest position loop's (gains.c) */
+#define FORCE_LATE 0.25f     /* largest phase lag by the sensor's delay at that frequency, rad */
 
-/* With both poles at w an error of 1 goes as (1 - wt) exp(-wt): after a step of 4/w it is below 6 %, on a
- * specimen of a tenth of the slope below half. So half of what is wanted is far, and 4/w is long. */
+/* With both poles at w the error after a step decays as (1 - wt) exp(-wt). After 4/w it is below 6 %, and
+ * below half if the slope is a tenth of the measured one. A force below half of the target for longer is
+ * lost. */
 #define FORCE_FAR 0.5f
 #define FORCE_STEP 4.0f
-#define FORCE_SMOOTH_TICKS 16.0f /* the mean that is far or not: a fifth of 1/w */
-/* Such an error changes its sign once; on a tenth of the slope it halves with each change. Six swings of a
- * tenth of what is wanted, each within two periods of the loop, come from a loop that is not stable. */
+#define FORCE_SMOOTH_TICKS 16.0f /* of the mean that is compared: a fifth of 1/w */
+/* Such an error changes its sign once; with a tenth of the slope it halves with each change. Six swings by a
+ * tenth of the target, each within two periods of the loop, show that the loop is unstable. */
 #define FORCE_SWING 0.1f
 #define FORCE_SWING_PERIODS 2.0f
 enum { FORCE_SWINGS = 6 };
-#define FORCE_SWING_COUNTS 2.0f /* of the encoder: by so much rounding moves the plate to and fro */
-/* So many counts at least are to lie within the newton over which the search measures a stiff slope: then
- * their rounding spoils it by a tenth at most. */
+#define FORCE_SWING_COUNTS 2.0f /* encoder counts by which rounding alone may move the plate */
+/* Least number of encoder counts per newton: the search measures a high stiffness over 1 N, and rounding to
+ * counts then makes an error of at most a tenth. */
 #define FORCE_LINE_COUNTS 4.0f
 
 float trajectory_force_w_s(float delay_s) {
     return FORCE_W_S * delay_s <= FORCE_LATE ? FORCE_W_S : FORCE_LATE / delay_s;
 }
 
-/* The loop answers white noise with a speed of 2 w noise / slope that changes by sqrt(2) times that from tick
- * to tick: where the speed may not change so fast, the loop comes late. */
+/* White noise of the force makes a speed of 2 w noise / slope, which changes by sqrt(2) times that in a tick.
+ * If this exceeds the highest acceleration, the loop lags. */
 bool trajectory_force_stable(const trajectory *t, float noise_N) {
     const float jump_N_s = 1.414214f * 2.0f * t->force_w_s * noise_N;
     return t->stiffness_N_m * (FORCE_MOST_M_S2 * TICK_S) >= jump_N_s &&
            t->stiffness_N_m * FORCE_LINE_COUNTS * t->count_m <= CONTACT_FORCE_N;
 }
 
-/* A law that stiffens has at least the slope of its chord; the loop must not be faster than it is meant to.
+/* The measured stiffness or the secant, whichever is more: a slope that is too small makes the loop too fast.
  */
 float trajectory_slope(const trajectory *t) {
     const float depth = t->now.position_m, chord = depth > FORCE_SLOPE_M ? t->measured_N / depth : 0.0f;
@@ -330,20 +328,20 @@ bool trajectory_forces(const trajectory *t) {
     return t->current < t->count && t->list[t->current].kind == PALP_WIRE_SEGMENT_FORCE;
 }
 
-static float most_m_s(const trajectory *t) {
+static float highest_speed_m_s(const trajectory *t) {
     return FORCE_MOST_M_S < t->force_most_m_s ? FORCE_MOST_M_S : t->force_most_m_s;
 }
 
-/* What is far below tells nothing of the slope. */
-static bool is_far(const trajectory *t) {
+static bool is_far_below_wanted(const trajectory *t) {
     return t->smooth_N < FORCE_FAR * t->wanted_N;
 }
 
-/* Speed of the force that is wanted, N/s; true once it is there. It asks for half of the speed that the plate
- * may have, so that the loop has the other half. Before the specimen is felt no more is wanted than that. */
-static bool want(trajectory *t, const segment *s, float *rate_N_s) {
+/* Ramps the wanted force; true once it reached the target. The ramp, N/s, uses at most half of the plate's
+ * highest speed and leaves the other half to the loop. Before contact is felt, only its threshold is wanted.
+ */
+static bool ramp_wanted_force(trajectory *t, const segment *s, float *rate_N_s) {
     const float touch_N = t->touch_N < s->target_N ? t->touch_N : s->target_N;
-    const float fast_N_s = 0.5f * most_m_s(t) * trajectory_slope(t);
+    const float fast_N_s = 0.5f * highest_speed_m_s(t) * trajectory_slope(t);
     const float most_N_s = s->rate_N_s < fast_N_s ? s->rate_N_s : fast_N_s;
     t->felt = t->felt || t->smooth_N >= FORCE_FAR * touch_N;
     const float step = most_N_s * TICK_S, way = (t->felt ? s->target_N : touch_N) - t->wanted_N;
@@ -357,14 +355,14 @@ static float larger(float x, float y) {
     return x > y ? x : y;
 }
 
-/* What a stable loop on a specimen never does. */
+/* Sets a fault for lost contact, oscillation or a place that is too deep. */
 static void watch_force(trajectory *t, const segment *s) {
     const float off_N = t->measured_N - t->wanted_N;
     const float count_N = FORCE_SWING_COUNTS * t->count_m * trajectory_slope(t);
     const float most_N = larger(FORCE_SWING * t->wanted_N, larger(t->touch_N, count_N));
     const int8_t side = off_N > most_N ? 1 : off_N < -most_N ? -1 : 0;
     const float period = 2.0f * REAL_PI / t->force_w_s * (float)CONTROL_HZ;
-    t->far_ticks = t->felt && is_far(t) ? t->far_ticks + 1 : 0;
+    t->far_ticks = t->felt && is_far_below_wanted(t) ? t->far_ticks + 1 : 0;
     t->swing_ticks++;
     if ((float)t->swing_ticks > FORCE_SWING_PERIODS * period)
         t->swings = 0;
@@ -381,7 +379,7 @@ static void watch_force(trajectory *t, const segment *s) {
         t->fault = PALP_WIRE_FAULT_COMMAND_OUT_OF_RANGE;
 }
 
-static void go(trajectory *t, float speed_m_s) {
+static void move_at_speed(trajectory *t, float speed_m_s) {
     const float most = FORCE_MOST_M_S2 * TICK_S;
     const float change = real_clamp(speed_m_s - t->now.velocity_m_s, -most, most);
     t->now.acceleration_m_s2 = change / TICK_S;
@@ -389,8 +387,8 @@ static void go(trajectory *t, float speed_m_s) {
     t->now.position_m += t->now.velocity_m_s * TICK_S;
 }
 
-/* The plate's speed: what the wanted force asks of the slope, and a PI of what the force is off by; while
- * that is far it goes on as slowly as in the air. In the air it goes to contact, and wants nothing yet. */
+/* Plate speed = (rate of the wanted force + PI of the force error) / slope. While the force is far too small
+ * the speed is limited to that in air. Before contact the plate only approaches. */
 static bool force_step(trajectory *t, const segment *s) {
     float rate_N_s = 0.0f;
     t->smooth_N += (t->measured_N - t->smooth_N) / FORCE_SMOOTH_TICKS;
@@ -398,21 +396,22 @@ static bool force_step(trajectory *t, const segment *s) {
         t->wanted_N = t->measured_N;
     t->wants = t->wants || t->now.position_m >= 0.0f || t->measured_N >= s->target_N;
     if (!t->wants) {
-        go(t, FORCE_AIR_M_S);
+        move_at_speed(t, FORCE_AIR_M_S);
         return true;
     }
-    if (want(t, s, &rate_N_s) && t->tick++ >= s->ticks) {
+    if (ramp_wanted_force(t, s, &rate_N_s) && t->tick++ >= s->ticks) {
         t->now.velocity_m_s = t->now.acceleration_m_s2 = 0.0f;
         return false;
     }
     watch_force(t, s);
     const float off_N = t->wanted_N - t->measured_N, w = t->force_w_s, slope = trajectory_slope(t);
-    const float asked = (rate_N_s + 2.0f * w * off_N + w * w * t->sum_Ns) / slope, most = most_m_s(t);
+    const float asked = (rate_N_s + 2.0f * w * off_N + w * w * t->sum_Ns) / slope,
+                most = highest_speed_m_s(t);
     const float slow = FORCE_AIR_M_S + real_abs(rate_N_s) / slope;
-    const float speed = real_clamp(asked, -most, is_far(t) && slow < most ? slow : most);
+    const float speed = real_clamp(asked, -most, is_far_below_wanted(t) && slow < most ? slow : most);
     if (speed == asked)
         t->sum_Ns += off_N * TICK_S;
-    go(t, speed);
+    move_at_speed(t, speed);
     return true;
 }
 

@@ -54,13 +54,13 @@ typedef struct palp_static_settings {
 /* 60 evaluations, continuation with tolerance 0, stop at 1e-4. */
 PALP_API palp_static_settings palp_static_settings_default(void);
 
-/* Static stage (Section 5.3.1): fits the law of *start* (a polynomial or spline; its coefficients are
- * the first guess) so that the fully relaxed network's force at depth_m[n] (increasing, > 0) meets
- * target_N[n], each of which may be zero or negative by noise. The network's supports, branch and solver are
- * used; its material is replaced by the result. Arms of start are kept as they are. The caller frees *result.
- * ERR_UNSUPPORTED: another kind of law; ERR_ARGUMENT: a depth out of range, a target that is not finite or,
- * all in all, no press, too few samples for the law; ERR_STOPPED by progress; the statuses of
- * palp_material_check and, where no curve could be found, of palp_network_step. */
+/* Static stage (Section 5.3.1): fits the fully relaxed network's force at depth_m[n] (increasing, > 0) to
+ * target_N[n], which noise may make zero or negative. The law of *start* (a polynomial or spline) gives the
+ * form and the first guess. The network's supports, branch and solver are used; its material is replaced by
+ * the result. Arms of start are kept as they are. The caller frees *result. ERR_UNSUPPORTED: another kind of
+ * law; ERR_ARGUMENT: a depth out of range, a target that is not finite or, all in all, no press, too few
+ * samples for the law; ERR_STOPPED by progress; the statuses of palp_material_check and, where no curve could
+ * be found, of palp_network_step. */
 PALP_API palp_status palp_calibrate_static(palp_network *network, const palp_material *start, size_t n,
                                            const double *depth_m, const double *target_N,
                                            const palp_static_settings *settings, palp_calibration *result);

@@ -16,12 +16,12 @@ typedef enum palp_spring_form {
     PALP_SPRING_PER_RUN /* one K_inf for each recording (Tables 4.2, 4.3) */
 } palp_spring_form;
 
-/* What the arms are. FREE: n_arms of free times. LOG: at fixed times, so many per decade from tau_min_s to
- * tau_max_s, whose stiffnesses are not negative; those of none are left out, the others' times stand still.
- * FRACTIONAL: a fractional Maxwell element (a spring in series with a springpot) beside the law, which then
- * is a fractional Zener solid: three parameters, K_frac, tau_frac and exponent, of the relaxation K_frac
- * E_a(-(t / tau_frac)^a) (Mittag-Leffler), as PALP_ARMS_MAX arms of the spectrum sin(pi a) / (pi (x^a + x^-a
- * + 2 cos(pi a))), x = tau / tau_frac, that the material runs as any others (Cole and Cole 1941). */
+/* Form of the arms. FREE: n_arms with free times. LOG: per_decade arms a decade at fixed times from tau_min_s
+ * to tau_max_s, with stiffness >= 0; those of zero stiffness are left out. FRACTIONAL: a fractional Maxwell
+ * element (a spring in series with a springpot) parallel to the law, together a fractional Zener solid. Its
+ * parameters are K_frac, tau_frac and the exponent a of the relaxation K_frac E_a(-(t / tau_frac)^a)
+ * (Mittag-Leffler). It becomes PALP_ARMS_MAX arms of the spectrum sin(pi a) / (pi (x^a + x^-a + 2 cos(pi
+ * a))), x = tau / tau_frac (Cole and Cole 1941). */
 typedef enum palp_arms_form { PALP_ARMS_FREE, PALP_ARMS_LOG, PALP_ARMS_FRACTIONAL } palp_arms_form;
 
 typedef struct palp_characterize_settings {
@@ -91,13 +91,12 @@ PALP_API palp_status palp_characterize_fit(size_t n, const palp_recording *recor
 PALP_API palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, const double *strain,
                                                double *stiffness_N, double *sd_N);
 
-/* Number of arms, or degree of the polynomial K, by cross-validation: parts of the data are held out of the
- * fit in turn, whole recordings where there are three or more with one law, else blocks of log time (or
- * depth) of each. score[max + 1]: mean squared residual of what was held out over the noise variance, for 0
- * to max arms (or degree 0 to max); sd[max + 1]: standard error of its difference to the best one's. *best:
- * the smallest number whose losses, in the mean of their logarithms over the groups of blocks, are within two
- * standard errors, or a fifth, of the best one's. Errors of palp_characterize_fit; select_degree also
- * ERR_ARGUMENT for PALP_SPRING_PER_RUN. */
+/* Number of arms, or degree of the polynomial K, by cross-validation. Held out in turn are whole recordings
+ * if three or more have one law, else blocks of log time (or depth) of each. score[max + 1]: mean squared
+ * held-out residual over the noise variance, for 0 to max arms (or degree 0 to max). sd[max + 1]: standard
+ * error of its difference to the best. *best: the smallest number within two standard errors, or a fifth, of
+ * the best, by the mean logarithm of the losses of the groups of blocks. Errors of palp_characterize_fit;
+ * select_degree also ERR_ARGUMENT for PALP_SPRING_PER_RUN. */
 PALP_API palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings,
                                                    const palp_characterize_settings *settings,
                                                    size_t max_arms, double *score, double *sd, size_t *best,

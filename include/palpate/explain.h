@@ -100,8 +100,8 @@ typedef struct palp_explain_scatter {
     bool found;       /* it is more than what the noise hides */
 } palp_explain_scatter;
 
-/* Whether another family of stiffness laws is needed than the given model has, or arms that the elastic force
- * drives (quasi_linear) where it has linear ones, or the reverse; model has it then, base the given one. */
+/* Whether another family of stiffness laws is needed, or quasi-linear arms (driven by the elastic force) in
+ * place of linear ones, or the reverse. model then has it, base the given one. */
 typedef struct palp_explain_law {
     bool found;
     double without_N; /* rms that is left with the given law beside the same effects; with the other

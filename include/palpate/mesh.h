@@ -70,9 +70,9 @@ PALP_API const int32_t *palp_mesh_tetrahedra(const palp_mesh *mesh);
 PALP_API size_t palp_mesh_triangle_count(const palp_mesh *mesh);
 PALP_API const int32_t *palp_mesh_triangles(const palp_mesh *mesh);
 
-/* How the elements of a mesh share in a solid's stiffness. An element's force is its factor
- * times what the material says, F = s (K(|e|) e + sum q), so K / area is the modulus of the solid (Poisson's
- * ratio 1/4) at small strain, whatever the mesh. */
+/* How a solid's stiffness is divided among the elements of a mesh. An element's force has a factor s,
+ * F = s (K(|e|) e + sum q). K / area is then the modulus of the solid (Poisson's ratio 1/4) at small strain,
+ * whatever the mesh. */
 typedef enum palp_mesh_scaling {
     PALP_SCALING_NONE,   /* all factors 1: what K means depends on the mesh */
     PALP_SCALING_VOLUME, /* s = V / (L area), V the volume of the tetrahedra around the edge (Van Gelder 1998)

@@ -38,9 +38,9 @@ typedef struct palp_network_settings {
     int max_iterations; /* Newton iterations a step */
     palp_branch branch;
     palp_solver solver;
-    double density_kg_m3; /* 0 = massless (quasi-static); a quarter of each tetrahedron's mass to its corners.
-                             Hexahedra (lattices): their mass, and for meshes from arrays that of the bounding
-                             box, shared by the rest length of a node's elements */
+    double density_kg_m3; /* 0 = massless (quasi-static). A quarter of each tetrahedron's mass goes to each
+                             corner. The mass of hexahedra (lattices), or of the bounding box of meshes from
+                             arrays, is shared by the rest length of a node's elements */
     double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume of the mesh's tetrahedra, J the
                                  ratio of present volume to rest volume; 0 = no resistance to volume change */
     double poisson_ratio; /* 0.25 to below 0.5: instead, k of the mesh's hexahedra, or else tetrahedra, makes
@@ -172,8 +172,8 @@ typedef struct palp_run_info {
 } palp_run_info;
 
 /* Follows a path from the present state. The path's first corner is reached by an instantaneous
- * step if the network is not there. Error control is by step doubling of the reaction force, of
- * order 1 where a part of the solution is (backward Euler with mass, a dashpot, PALP_SEDEF2008), else 2. */
+ * step if the network is not there. Error control is by step doubling of the reaction force. Its
+ * order is 2, or 1 with mass (backward Euler), a dashpot or PALP_SEDEF2008. */
 PALP_API palp_status palp_network_run(palp_network *network, const palp_path *path,
                                       const palp_run_settings *settings, palp_run_info *info);
 

@@ -87,13 +87,13 @@ typedef struct palp_recording {
 
 /* Prepares an experiment; name is copied (the file's name, for messages). ERR_INPUT with a line for a
  * recording that cannot be used: depth or force in the wrong sign, no motion, no height, a depth beyond it,
- * force that never leaves its noise, fewer than 16 samples, numbers that are not finite, times that do not
+ * force that never exceeds its noise, fewer than 16 samples, numbers that are not finite, times that do not
  * increase. */
 PALP_API palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,
                                             const palp_recording_settings *settings,
                                             palp_recording *recording, palp_error *error);
-/* The same refusals without the rest, for what takes an experiment's samples as they are. height_m: of the
- * specimen, 0 = from the file. */
+/* Only the checks, for callers that use an experiment's samples as they are. height_m: of the specimen, 0 =
+ * from the file. */
 PALP_API palp_status palp_recording_check(const palp_experiment *experiment, const char *name,
                                           double height_m, palp_error *error);
 PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, zeroes; NULL is fine */

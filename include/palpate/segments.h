@@ -73,9 +73,9 @@ typedef struct palp_pieces {
 } palp_pieces;
 
 /* The pieces of a path whose depth 0 is contact, n >= 2, from the path alone; the result does not depend on
- * the units of depth and time. The plate is still where it moves by less than 0.5 % of the path's range, or
- * 15 sds of the depth's noise, for at least a sixth of the duration of the motion before. palp_pieces_free.
- * ERR_ARGUMENT, ERR_NO_MEMORY. */
+ * the units of depth and time. The plate is at rest if it moves by less than 0.5 % of the path's range, or 15
+ * sds of the depth's noise. This must last at least a sixth of the duration of the motion before.
+ * palp_pieces_free. ERR_ARGUMENT, ERR_NO_MEMORY. */
 PALP_API palp_status palp_segments_pieces(size_t n, const double *time_s, const double *depth,
                                           palp_pieces *pieces);
 
@@ -125,7 +125,7 @@ PALP_API void palp_press_free(palp_press *press); /* frees what is owned, zeroes
 
 /* Finds the air before contact. In a search for the contact (approach) nearly all is air, in which the load
  * cell may drift; contact is where the force leaves the straight line of the air. In other recordings only
- * the rest at the start, or the first samples, are taken as air. Contact is then extrapolated from the first
+ * the dwell at the start, or the first samples, count as air. Contact is then extrapolated from the first
  * sixth of the force, for a force that rises with the power 1, 1.5 or 2 of depth; the three are weighted by
  * their likelihood. */
 PALP_API palp_air palp_press_air(const palp_press *press, bool approach);

@@ -46,8 +46,8 @@ typedef struct palp_contact_settings {
     double smoothing;       /* depth at which the penalty becomes linear, of the surface's mean edge; 0.01 */
     /* Times that each triangle of the surface becomes four for tools to touch, see palp_tool; at most 4.
      * 0 = tools touch the mesh's own. 2 for a sphere of the mesh's edges in size, 3 for a smaller one. For
-     * spheres and capsules stiffness then plays no part: each vertex yields by what the mesh lacks of the
-     * tissue below it (doc/numerics.md), so that force hardly depends on the spacing of the nodes. */
+     * spheres and capsules stiffness is then not used: each vertex has the local compliance that the mesh
+     * lacks (doc/numerics.md), so the force hardly depends on the spacing of the nodes. */
     size_t subdivisions;
     size_t max_contacts;    /* points near tools at once, others are ignored; 0 = as many as possible */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */

@@ -159,7 +159,7 @@ double contact_energy(const contact_set *set, const contact *c) {
     return c->stiffness * (0.5 * d * (d - smooth) + smooth * smooth / 6.0);
 }
 
-/* Tangent of the pressure along the normal, and across it where the point cannot give way on its triangle:
+/* Tangent of the pressure along the normal, and across it where the point cannot move on its triangle:
  * all round in a corner, across an edge on one. A capsule is straight along its axis. Returns the pressure's
  * slope by the depth. */
 static double evaluate_normal_force(const contact_set *set, const palp_tool *tool, contact *c) {

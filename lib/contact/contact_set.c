@@ -227,11 +227,11 @@ static double friction_limit_of_contact(const contact_set *set, const contact *c
     return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
 }
 
-/* A spring that slips forgets its old error along the way, and is off there by what this tick was solved to,
- * as is a spring that starts. Across the way slipping leaves the stiffness k kept_i of k. With M these
- * stiffnesses and K the tissue's, old errors a give the forces (1/M + 1/K)^-1 a = M^1/2 C M^1/2 a, where C
- * contracts: of contact j at i no more than sqrt(kept_i kept_j) k a_j, and a neighbour may stick, kept_j = 1.
- * No spring is off by more than from one side of what it holds to the other. */
+/* A spring that slips loses its old error along the slip direction; a spring that starts has none. Both have
+ * the error of this tick's solution there. Across the slip direction the stiffness k falls to k kept_i. With
+ * M these stiffnesses and K the tissue's, old errors a give the forces (1/M + 1/K)^-1 a = M^1/2 C M^1/2 a,
+ * where C contracts: of contact j at i no more than sqrt(kept_i kept_j) k a_j, and a neighbour may stick,
+ * kept_j = 1. The error of a spring is at most twice the friction that it can hold. */
 double contact_set_doubt(contact_set *set, double error) {
     double all = 0.0, sum = 0.0;
     contact_touch *t = set->next.touch;

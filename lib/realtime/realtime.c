@@ -274,8 +274,8 @@ static double secant_part_of_move(double at_low, double at_high) {
     return fmin(fmax(at_low / (at_low - at_high), ASIDE), 1.0 - ASIDE);
 }
 
-/* next.x = start + move. Backtracks if the network cannot be evaluated, or if the slope of the energy
- * along the move is too large at its end, as where a contact stiffens or begins to stick. */
+/* next.x = start + move. Backtracks if the network cannot be evaluated, or if the energy rises too steeply at
+ * the end of the move, as where a contact stiffens or begins to stick. */
 static bool go_along_search_direction(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     double alpha = 1.0, start = realtime_clock();
