@@ -1,6 +1,6 @@
-/* bench_ripple.c: what a smooth sphere feels of a mesh as it slides: largest less smallest force along the
- * way of one edge, over the mean, of the force less its mean over the way of an edge around each place. On
- * triangles, and on smooth surfaces. */
+/* bench_ripple.c: ripple of the force on a smooth sphere that slides over a mesh, on triangles and on smooth
+ * surfaces. Ripple is the range within the length of an edge over the mean, after subtraction of a moving
+ * mean over one edge. */
 #include "bench.h"
 
 #include <math.h>

@@ -56,7 +56,7 @@ static void test_uart_sends_byte_by_byte(void **state) {
     assert_int_equal(USART1->CR1 & USART_CR1_TXEIE, 0);
 }
 
-/* Under QEMU the data register is never full: a tick's worth is sent at once, not all there is. */
+/* Under QEMU the data register is never full: a tick sends its own share, not all that waits. */
 static void test_uart_sends_a_burst(void **state) {
     uint8_t buffer[256];
     ring r;

@@ -79,7 +79,8 @@ static void test_product(void **state) {
     }
 }
 
-/* Every load within the machine's range is told apart, and z as finely and as far as the machine needs. */
+/* All loads in the machine's range have different counts, with the resolution and range in z that the machine
+ * needs. */
 static void test_range(void **state) {
     double z[N] = {[FORCE_Z] = 24}, counts[N], matrix[N][N], variance = 0;
     int16_t adc[N];

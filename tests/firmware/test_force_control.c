@@ -17,8 +17,8 @@ static void open_soft(bench *b, double scale, uint64_t seed) {
     bench_contact(b);
 }
 
-/* Runs the segments; the largest distance of the true force from what is wanted, during the ramps and the
- * holds of FORCE (from 0.2 s after the ramp on), of the target. */
+/* Runs the segments. Returns the largest force error relative to the target: during ramps of FORCE, and
+ * during its dwells from 0.2 s after the ramp on. */
 typedef struct tracking {
     double ramp, hold, overshoot;
 } tracking;

@@ -52,7 +52,7 @@ static uint8_t set(bench *b, uint8_t id, uint32_t bits) {
     return bench_command(b, &m);
 }
 
-/* A tick, and what the board does with what it is told to keep; never while the motor is on. */
+/* A tick, and the flash words that the board writes; never while the motor is on. */
 static void tick(bench *b) {
     bench_tick(b);
     assert_false(b->out.stores && b->out.motor_on);
@@ -183,8 +183,8 @@ static void store_record(bench *b, uint32_t n, uint8_t travel, uint8_t other, fl
     app_load(&b->app, flash);
 }
 
-/* A record of fewer values than this firmware has is taken. One with a single value that it does not take is
- * damaged as a whole: nothing of it is used, and what is compiled in is told as such, until it is saved. */
+/* A record with fewer values than this firmware has is accepted. With one value out of range it counts as
+ * damaged, and the compiled-in values are used and reported until the next save. */
 static void test_other_records(void **state) {
     static bench b;
     (void)state;
@@ -234,7 +234,7 @@ static void test_cannot_be_saved(void **state) {
     bench_close(&b);
 }
 
-/* More force than the motor gives at full duty is full duty, not what is left of it in 16 bits. */
+/* A force beyond full duty is limited to full duty, without overflow of 16 bits. */
 static void test_full_is_full(void **state) {
     static bench b;
     (void)state;
@@ -286,8 +286,8 @@ static palp_wire_message any_command(bench *b, uint8_t n) {
     return m.type == PALP_WIRE_TYPE_START ? bench_start(1, -1, 0, 0) : m;
 }
 
-/* Whatever it is set to, nothing drives but in a state that may (bench_tick), nothing is written meanwhile,
- * and back at what is compiled in it is as before. */
+/* With any parameters the motor is on only in states that allow it (bench_tick), and flash is not written
+ * meanwhile. With the standard values the behaviour is as before. */
 static void test_any_machine(void **state) {
     static bench b;
     (void)state;

@@ -1,6 +1,6 @@
-/* test_safety_fuzz.c: a million commands, faults and restarts in no order: the motor is on in no state that
- * does not drive or hold it, READY holds still, and whatever has happened, commands alone bring the plate
- * home. check: all */
+/* test_safety_fuzz.c: a million random commands, faults and restarts. The motor is on only in states that
+ * drive or hold it, READY holds the plate still, and commands alone always bring the plate home. check: all
+ */
 #include "faults_make.h"
 
 #include <math.h>

@@ -78,7 +78,7 @@ static double profile_at(const profile *p, double t) {
     return p->length - 0.5 * p->acceleration * pow(p->duration - t, 2);
 }
 
-/* One stroke from start to end against the closed form; from a microsecond's worth to hours. */
+/* One stroke against the closed form, from a microsecond to hours. */
 static void check_stroke(double start, double end, double rate, double acceleration) {
     const profile p = profile_of(fabs((double)(float)end - (double)(float)start), rate, acceleration);
     const double sign = end < start ? -1 : 1;

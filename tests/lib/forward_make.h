@@ -129,8 +129,8 @@ static inline void press_model(const palp_model *m, samples *s) {
 typedef palp_status force_function(const palp_model *model, const palp_forward_run *run, double *force_N,
                                    double *gradient, palp_error *error);
 
-/* d force[i] / d parameter k by central differences with their error of second order taken out, or one-sided
- * where the parameter ends at its bound. */
+/* d force[i] / d parameter k by central differences with Richardson extrapolation, or one-sided where the
+ * parameter is on its bound. */
 static inline void difference(force_function *press, const palp_model *model, const samples *s, size_t k,
                               double h, double *slope) {
     static const double central[4][2] = {{1, 8}, {-1, -8}, {2, -1}, {-2, 1}},

@@ -1,4 +1,4 @@
-/* acquire_fake.c: an indenter that is a thread at the other end of a socket pair, and does as it is told. */
+/* acquire_fake.c: a scripted indenter: a thread at the other end of a socket pair. */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_fake.h"
 

@@ -1,4 +1,4 @@
-/* acquire_fake.h: an indenter that is a thread at the other end of a socket pair, and does as it is told. */
+/* acquire_fake.h: a scripted indenter: a thread at the other end of a socket pair. */
 #ifndef ACQUIRE_FAKE_H
 #define ACQUIRE_FAKE_H
 

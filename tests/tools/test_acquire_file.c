@@ -1,5 +1,4 @@
-/* test_acquire_file.c: the file that acquire writes: what it holds, and what is left when the writing fails.
- */
+/* test_acquire_file.c: the file that acquire writes, also after a failed write. */
 /* link: -pthread */
 #define _POSIX_C_SOURCE 200809L
 #include "acquire_make.h"
@@ -224,7 +223,7 @@ static void test_file_stays(void **state) {
     free(f);
 }
 
-/* No room: what fits is whole lines, and the failure is told. */
+/* A full disk: the file has whole lines, and the failure is reported. */
 static void test_file_full(void **state) {
     struct rlimit before, less;
     struct sigaction ignore = {.sa_handler = SIG_IGN}, was;

@@ -267,8 +267,8 @@ static double table_at(size_t n, const double *e, const double *force, double x)
     return force[i] + (force[i + 1] - force[i]) * (x - e[i]) / (e[i + 1] - e[i]);
 }
 
-/* A straight line is its own table; for a parabola the error is that of the best piecewise linear
- * function: no bias, and at most half of d h^2 / 4, the error of the chord, in the inner intervals. */
+/* A straight line is its own table. For a parabola the error is that of the best piecewise linear function:
+ * no bias, and at most half of the interpolation error d h^2 / 4 in the inner intervals. */
 static void test_table(void **state) {
     enum { N = 41 };
     const double line[] = {3}, bent[] = {1, 5};

@@ -41,7 +41,7 @@ static void test_split_wide(void **state) {
         line[i] = '7';
     }
     line[sizeof line - 1] = '\0';
-    assert_int_equal(import_split(line, ',', fields), IMPORT_COLUMNS); /* the rest is left out */
+    assert_int_equal(import_split(line, ',', fields), IMPORT_COLUMNS); /* further fields are dropped */
 }
 
 static void test_number(void **state) {

@@ -22,8 +22,8 @@ typedef struct effect_case {
     double slack_N, slowest_m_s; /* what else it may be off by; not compared where it moves slower */
 } effect_case;
 
-/* What the sensor of a plant on a model reads along that path, read by an encoder of a nanometre, is what the
- * library gives for the depths of the encoder. */
+/* The plant's sensor on a model with an encoder of a nanometre reads what the library gives for the encoder's
+ * depths. */
 static void reads_as_the_library(const char *file, const effect_case *c) {
     static double time[PRESSED + 1], depth[PRESSED + 1], read[PRESSED + 1], force[PRESSED + 1];
     const palp_forward_run run = {.n = PRESSED + 1, .time_s = time, .depth_m = depth};

@@ -1,4 +1,4 @@
-/* test_rig_options.c: what the virtual indenter is told: scripts and options. */
+/* test_rig_options.c: options of the virtual indenter: scripts, faults and others. */
 #define _GNU_SOURCE
 #include "rig_make.h"
 

@@ -27,7 +27,7 @@ typedef struct calibrate_options {
     char command[CLI_COMMAND_MAX];
 } calibrate_options;
 
-/* A ramp and hold to meet, and what the calibrated network makes of it. */
+/* A target ramp and hold, and the response of the calibrated network. */
 typedef struct press_target {
     palp_path path;
     record target;    /* samples given to the library */
@@ -38,7 +38,7 @@ typedef struct press_target {
 } press_target;
 
 typedef struct calibrate_state {
-    palp_model lumped, model; /* model: the network, its material the latest found */
+    palp_model lumped, model; /* model: the network with the latest material */
     palp_mesh_source source;  /* of its mesh */
     palp_mesh *mesh;
     palp_network *network;
@@ -55,11 +55,11 @@ typedef struct calibrate_state {
     bool buckled;
     double stable_m, unstable_m;
     double *lumped_covariance, *lumped_between, *covariance,
-        *between; /* of the lumped model, of the network; NULL: not known */
+        *between; /* covariance of the lumped model, of the network; NULL: unknown */
     size_t n_specimens;
 } calibrate_state;
 
-/* Each returns an exit code, after one line on stderr if it is not 0. */
+/* Functions return an exit code, after one line on stderr if it is not 0. */
 int calibrate_setup(const calibrate_options *o, calibrate_state *s);   /* models, mesh, network */
 int calibrate_targets(const calibrate_options *o, calibrate_state *s); /* curves to meet */
 int calibrate_static(const calibrate_options *o, calibrate_state *s);

@@ -5,8 +5,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* The polynomial of that degree through the law at Chebyshev's points of [0, strain_max]: the law
- * itself where it is such a polynomial, else nearly the best one. */
+/* Interpolates the law by a polynomial of this degree at Chebyshev's points of [0, strain_max]. It is exact
+ * for polynomials, and nearly the best one otherwise. */
 palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_max, palp_law *guess) {
     double e[PALP_LAW_MAX], f[PALP_LAW_MAX], c[PALP_LAW_MAX] = {0};
     size_t n = degree + 1;
@@ -40,8 +40,8 @@ palp_status guess_spline(const palp_law *law, size_t knots, double strain_max, p
     return palp_law_spline(knots, e, stiffness, guess);
 }
 
-/* The lumped model's arms, stiffness and viscosity times ratio. With another number of arms: their
- * stiffness shared evenly, relaxation times spread over the lumped model's (a decade if it has one). */
+/* The lumped model's arms, stiffness and viscosity times ratio. For another number of arms the stiffness is
+ * divided equally, and times are spread over the same range (a decade for one arm). */
 void guess_arms(const palp_material *lumped, size_t n, double ratio, palp_material *guess) {
     double total = 0, shortest = INFINITY, longest = 0;
     guess->n_arms = n;

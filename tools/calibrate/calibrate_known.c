@@ -21,7 +21,7 @@ static double slowest(const palp_material *m) {
     return tau;
 }
 
-/* The static curve, so slow that the arms are at rest. */
+/* The static curve, slow enough for relaxed arms. */
 static void static_run(const calibrate_state *s, known_run *run) {
     double deepest = fmin(s->depth_m[s->n_static - 1], s->static_result.reached_m);
     double whole = 1e4 * fmax(fmax(slowest(&s->lumped.material), slowest(&s->model.material)), 1e-3);
@@ -31,7 +31,7 @@ static void static_run(const calibrate_state *s, known_run *run) {
     }
 }
 
-/* Even samples of the ramp, then by the logarithm of the time since. */
+/* Samples at equal steps on the ramp, then at equal steps of log time. */
 static void press_run(const press_target *press, known_run *run) {
     const palp_path *path = &press->path;
     double ramp = path->time_s[1], hold = path->time_s[path->n - 1] - ramp;
@@ -48,8 +48,7 @@ static palp_forward_run as_forward(const known_run *run) {
     return (palp_forward_run){.n = SAMPLES, .time_s = run->time_s, .depth_m = run->depth_m};
 }
 
-/* The curves that were met: the static one, and of the presses the shallowest, one between and the deepest.
- */
+/* The targets: the static curve, and the shallowest, a middle and the deepest press. */
 static size_t list_runs(const calibrate_state *s, known_run *run) {
     size_t n = 0, last = s->n_presses - 1, of[SHOWN] = {0, last / 2, last};
     if (s->does_static)

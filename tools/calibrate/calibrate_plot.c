@@ -82,7 +82,7 @@ static void plot_relaxation(json_t *figures, const calibrate_state *s, bool log_
     plot_series series[2 * SHOWN_MAX];
     size_t shown = s->n_presses < SHOWN_MAX ? s->n_presses : SHOWN_MAX;
     for (size_t k = 0; k < shown; k++) {
-        /* of many depths every so many, the shallowest and the deepest among them */
+        /* of many depths some, with the shallowest and deepest */
         const press_target *p = &s->press[shown > 1 ? k * (s->n_presses - 1) / (shown - 1) : 0];
         size_t first = log_time && p->network.n > 1 && p->network.time_s[0] <= 0 ? 1 : 0;
         size_t n = marks(&p->network, p->wanted_N, mark_s[k], mark_N[k]);

@@ -40,7 +40,7 @@ static json_t *iteration_json(calibrate_method method, bool relaxation, const pa
                      {"steady_time_error_percent", it->steady_time_error_percent},
                      {"steady_force_error_percent", it->steady_force_error_percent});
         if (it->phase == 3) {
-            json_t *law = json_object(); /* apart: a spline has a stiffness_N too */
+            json_t *law = json_object();
             json_add_law(law, &it->material.law);
             json_object_set_new(entry, "law", law);
         }
@@ -132,7 +132,7 @@ static void print_arms(const palp_material *material) {
     }
 }
 
-/* A column of percent; "-" where the phase does not look at it. */
+/* A percentage, or "-" if the phase does not use it. */
 static void print_percent(double value) {
     if (isfinite(value))
         printf(" %12.2f", value);

@@ -124,7 +124,7 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     choose_poisson(o, &s->model);
     palp_status status = palp_model_mesh(&s->model, &s->mesh, &error);
     if (status == PALP_ERR_UNSUPPORTED && o->mesh &&
-        o->scaling < 0) { /* hexahedra without diagonals: as they are */
+        o->scaling < 0) { /* hexahedra without diagonals cannot be scaled */
         s->source.scaling = PALP_SCALING_NONE;
         status = palp_model_mesh(&s->model, &s->mesh, &error);
     }

@@ -49,8 +49,7 @@ static size_t finest_side(const palp_mesh_source *source) {
     return finest;
 }
 
-/* A lattice of the same box with at most COARSE nodes a side takes what a large one would take too long for.
- */
+/* Large lattices are calibrated by a coarse one of the same box with COARSE nodes a side at most. */
 enum { COARSE = 7 };
 
 static bool is_large(const calibrate_state *s) {
@@ -79,8 +78,8 @@ static palp_status coarse_network(const calibrate_options *o, const calibrate_st
     return status;
 }
 
-/* A fine lattice starts from the law that a coarse one of the same box takes: a second instead of many
- * evaluations of a dear curve. The library scales it. */
+/* Fits the law on a coarse lattice of the same box as a start, which saves many evaluations of the fine one.
+ * The library scales it. */
 static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, palp_material *start) {
     enum { START = 5, FINE = 8 };
     palp_network *network = NULL;
@@ -99,7 +98,7 @@ static palp_status coarse_start(const calibrate_options *o, calibrate_state *s, 
     return status;
 }
 
-/* Of a lattice so large that it is not traced again and again: a coarse one takes the law. */
+/* Calibrates a very large lattice by a coarse one (palp_calibrate_two_level). */
 static palp_status two_level_static(const calibrate_options *o, calibrate_state *s,
                                     const palp_material *start, const palp_static_settings *settings) {
     palp_network *coarse = NULL;
@@ -111,7 +110,8 @@ static palp_status two_level_static(const calibrate_options *o, calibrate_state 
     return status;
 }
 
-/* The first guess: the lumped law in the wanted form, unscaled for the thesis' loop; or --start's. */
+/* The first guess: the law of --start, or the lumped law in the required form, unscaled for the thesis'
+ * method. */
 static palp_status static_start(const calibrate_options *o, calibrate_state *s, palp_material *start) {
     double strain_max = s->depth_m[s->n_static - 1] / s->height_m;
     const palp_law *law = o->start ? &s->model.material.law : &s->lumped.material.law;
@@ -209,7 +209,7 @@ static void scale_arms(palp_material *material, double factor) {
     }
 }
 
-/* The same material on a coarse lattice of the same box, whose fewer elements bear more each. */
+/* The same material on a coarse lattice of the same box, whose fewer elements bear more force each. */
 static palp_status coarse_material(const calibrate_state *s, const palp_material *fine,
                                    palp_material *coarse) {
     double factor = 1;
@@ -220,8 +220,8 @@ static palp_status coarse_material(const calibrate_state *s, const palp_material
     return palp_law_scale(&fine->law, factor, &coarse->law);
 }
 
-/* The relaxed force of the network with this material, at CURVE depths to the deepest, by ticks that need no
- * factor of it. */
+/* Relaxed force of the network at CURVE depths, by realtime ticks, which need no factorization of the
+ * network. */
 enum { CURVE = 30 };
 static palp_status relaxed_curve(const calibrate_state *s, const palp_material *material, double deepest_m,
                                  double depth_m[CURVE], double force_N[CURVE]) {
@@ -243,8 +243,8 @@ static palp_status relaxed_curve(const calibrate_state *s, const palp_material *
     return status;
 }
 
-/* Of a large lattice: a coarse one takes the law of the large one's curve, then the arms beside it, which
- * come back by the ratio of both laws. */
+/* For a large lattice: fits a coarse one to the large one's static curve, then its arms; scales the arms by
+ * the ratio of both laws. */
 static palp_status arms_of_coarse(const calibrate_options *o, calibrate_state *s, const palp_material *start,
                                   double deepest_m, const palp_target *targets,
                                   const palp_relaxation_settings *settings) {
@@ -336,7 +336,7 @@ static int note_strain(void *user) {
     return 0;
 }
 
-/* Of a large network, by ticks that need no factor of it. */
+/* A large network is run by realtime ticks, which need no factorization. */
 static palp_status press_large(calibrate_state *s, press_target *press, progress *bar) {
     const press_settings settings = {.tolerance = 1e-4};
     const palp_realtime_settings realtime = palp_realtime_settings_default();
@@ -385,7 +385,7 @@ static palp_status compare(calibrate_state *s, press_target *press, progress *ba
     return status;
 }
 
-/* A law that was fitted holds to the largest strain of an element in it; that of --start is left as it is. */
+/* Sets strain_max of a fitted law to the largest element strain; the law of --start keeps its own. */
 static void limit_range(calibrate_state *s) {
     palp_law *law = &s->model.material.law;
     double top = fmax(s->static_result.strain_max, s->strain_max);

@@ -29,8 +29,8 @@ static int static_from_lumped(const calibrate_options *o, calibrate_state *s, do
     return CLI_OK;
 }
 
-/* Times at which the library compares: every step for the thesis' three phases (they look for the time
- * the curve turns flat), else even on the ramp and growing in the hold. */
+/* Times of the comparison. The thesis' method uses every step, to find the steady state; otherwise steps are
+ * equal on the ramp and grow in the dwell. */
 static palp_status sample_times(const calibrate_options *o, const calibrate_state *s, const palp_path *path,
                                 size_t *n, double **time_s) {
     if (s->relaxation_method == METHOD_THREE_PHASE) {
@@ -107,7 +107,7 @@ static int static_from_run(const char *file, const palp_experiment *run, calibra
                              file, s->n_static);
 }
 
-/* First row of the press: the last one in free air before the first contact. */
+/* First row of the press: the last in free air before contact. */
 static size_t contact_row(size_t rows, const double *depth_mm) {
     for (size_t i = 0; i < rows; i++)
         if (depth_mm[i] > 0)
@@ -120,8 +120,8 @@ static void add_corner(palp_path *corners, double time_s, double depth_m) {
     corners->depth_m[corners->n++] = depth_m;
 }
 
-/* The corners of a recorded depth: the fewest rows (found greedily) between which straight lines stay
- * within 0.1 % of the deepest. */
+/* Corners of a recorded path: few rows (greedy) whose connecting lines stay within 0.1 % of the largest
+ * depth. */
 static palp_status simplify(size_t n, const double *time_s, const double *depth_m, double deepest_m,
                             palp_path *path) {
     palp_path corners = {0, malloc(n * sizeof(double)), malloc(n * sizeof(double)), NULL};
@@ -151,7 +151,7 @@ static palp_status simplify(size_t n, const double *time_s, const double *depth_
     return status;
 }
 
-/* Thins the samples: even to the deepest, then growing steps. */
+/* Thins the samples: equal steps to the largest depth, then growing ones. */
 static palp_status thin(size_t n, const double *time_s, const double *depth_m, const double *force_N,
                         double deepest_m, record *target) {
     size_t peak = 0;
@@ -192,7 +192,7 @@ static int press_from_run(const char *file, const palp_experiment *run, press_ta
     return status ? cli_status_of(NAME, file, status, NULL) : CLI_OK;
 }
 
-/* By its path: one press, with or without a dwell. */
+/* Classifies the path: one press without or with a dwell, or more. */
 static palp_status kind_of(const palp_experiment *run, palp_recording_kind *kind) {
     palp_pieces pieces;
     palp_status status =
@@ -236,13 +236,13 @@ static int read_run(const char *file, calibrate_state *s) {
 
 /* ---- all of them ---- */
 
-/* A part of the height, or as deep as the lumped model was measured where that is less. */
+/* A share of the height, but no deeper than the lumped model was measured. */
 static double default_depth(const calibrate_state *s, double part) {
     double measured = s->lumped.material.law.strain_max;
     return (measured > 0 ? fmin(part, measured) : part) * s->lumped.height_m;
 }
 
-/* The thesis' depths, Section 5.3 and Chapter 4, as parts of the height. */
+/* The depths of the thesis (Section 5.3 and Chapter 4) as shares of the height. */
 static size_t default_depths(const calibrate_state *s, double depth_m[PRESSES_MAX]) {
     if (s->relaxation_method == METHOD_THREE_PHASE) {
         depth_m[0] = default_depth(s, 0.25);
@@ -280,7 +280,7 @@ static int check_depths(const calibrate_state *s) {
     return CLI_OK;
 }
 
-/* Curves of the lumped model beyond what was measured are its own continuation. */
+/* Warns if targets go beyond the measured range of the lumped model. */
 static void judge_range(const calibrate_state *s) {
     const palp_law *law = &s->lumped.material.law;
     double deepest = s->does_static && s->static_lumped ? s->depth_m[s->n_static - 1] : 0;

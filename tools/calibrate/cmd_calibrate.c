@@ -8,7 +8,7 @@
 static const char NAME[] = "calibrate";
 static const double LEAST_POISSON = 0.25, MOST_POISSON = 0.49;
 
-/* ---- the command line; each group of options returns how many it put to ---- */
+/* ---- the command line; each function returns the number of its options ---- */
 
 static size_t network_options(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
@@ -192,7 +192,7 @@ static void plan(calibrate_options *o, calibrate_state *s) {
     }
 }
 
-/* Exit code of a calibration that ran: 3 where a method's own criterion was not met. */
+/* Exit code after calibration: 3 if a stage did not converge. */
 static int verdict(const calibrate_state *s) {
     bool missed_static = s->does_static && !s->static_result.converged;
     bool missed_relaxation = s->does_relaxation && !s->relaxation_result.converged;

@@ -38,24 +38,25 @@ typedef struct characterize_options {
     int contact;                 /* 0 = auto, known, common, free */
     int law_choice, law, method; /* 0 = auto, else 1 + palp_law_kind; palp_law_kind; characterize_method */
     size_t arms, degree, knots, per_decade;
-    palp_arms_form arms_form; /* of the model; what comes before it has free arms by evidence */
+    palp_arms_form
+        arms_form; /* of the model; earlier fits have free arms, as many as cross-validation chooses */
     bool arms_auto, law_auto, degree_auto, degree_given;
     bool shared_arms, per_depth, dwell_only, fit_filtered, json;
     int specimens_by;                                   /* characterize_specimens_by */
     double filter_Hz, height_mm, radius_mm, contact_mm; /* 0, 0, 0, NaN = not given */
-    int tip, floor; /* -1 = the files', else palp_tip_kind; 0 = bonded, slides */
+    int tip, floor; /* -1 = from the files, else palp_tip_kind; 0 = bonded, slides */
     bool tip_sticks, small_strain;
     double tip_radius_mm, tip_angle_deg, poisson; /* 0, 0, NaN = not given */
     char command[CLI_COMMAND_MAX];
 } characterize_options;
 
-/* Held-out scores of a choice; index i stands for first + i. */
+/* Cross-validation scores; index i stands for first + i. */
 typedef struct characterize_scores {
     size_t first, n, best;
     double score[SELECT_LAWS_MAX], sd[SELECT_LAWS_MAX], rms_noise[DEGREE_MAX + 2];
 } characterize_scores;
 
-/* K of the plain static polynomial, the joint law and the single runs at the depth of a ramp and hold. */
+/* K at the depth of a ramp and hold: of the plain static polynomial, the joint law and the run by itself. */
 typedef struct characterize_gap {
     double strain, run_N, low_N, high_N, plain_N, joint_N;
 } characterize_gap;
@@ -71,7 +72,6 @@ typedef struct characterize_spread {
     double strain, mean_N, sd_N, low_N, high_N;
 } characterize_spread;
 
-/* A specimen as it was measured. */
 typedef struct characterize_body {
     double height_m, radius_m;
     size_t n_runs;
@@ -80,26 +80,27 @@ typedef struct characterize_body {
 typedef struct characterize_state {
     size_t n, n_static, n_hold; /* runs: static, then ramp and hold by depth, then others */
     palp_recording run[CHARACTERIZE_RUNS_MAX];
-    bool has_tip;                                /* each run names the tip that pressed */
+    bool has_tip;                                /* every run has a tip */
     palp_indentation tip[CHARACTERIZE_RUNS_MAX]; /* of each run */
     palp_moduli moduli;                          /* of the layer under it */
-    size_t n_tip_specimens;                      /* under a tip, 0 = one */
+    size_t n_tip_specimens;                      /* moduli of each specimen under a tip; 0 = one specimen */
     palp_moduli each[CHARACTERIZE_RUNS_MAX];     /* of each of them */
     double between_Pa[2]; /* sd between them, long-term and instantaneous shear modulus */
     double *filtered_N[CHARACTERIZE_RUNS_MAX]; /* NULL = not even enough */
     double cutoff_Hz;
     palp_law plain[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1]; /* [static run][degree]; n = 0: not fitted */
     double norm_N[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1];
-    size_t degree, n_arms;                   /* of the final model */
-    characterize_scores degrees, arms, laws; /* n = 0: not asked for */
-    palp_law law[SELECT_LAWS_MAX];           /* [laws.n] first guesses */
+    size_t degree, n_arms; /* of the final model */
+    characterize_scores degrees, arms, laws;
+    palp_law law[SELECT_LAWS_MAX]; /* [laws.n] first guesses */
     palp_contact_form contact;
     double contact_scatter_m;
     size_t n_single;
-    palp_lumped_fit single[CHARACTERIZE_RUNS_MAX]; /* of each ramp and hold alone */
+    palp_lumped_fit single[CHARACTERIZE_RUNS_MAX]; /* fit of each ramp and hold by itself */
     bool has_shared;
     palp_lumped_fit shared; /* one set of arms, a K_inf for each run */
-    bool has_final;         /* false: the thesis' procedure, model from the static curve and shared */
+    bool has_final; /* false: with the thesis' procedure the model comes from the static polynomial and shared
+                     */
     palp_lumped_fit final;
     palp_material material; /* of the model */
     size_t n_gap;
@@ -115,14 +116,14 @@ typedef struct characterize_state {
     size_t n_specimens, specimen[CHARACTERIZE_RUNS_MAX]; /* of each run, from 0 */
     characterize_body body[CHARACTERIZE_RUNS_MAX];       /* [n_specimens] */
     double factor[CHARACTERIZE_RUNS_MAX]; /* [n_specimens] about the stress of each by that of all */
-    palp_specimens_fit specimens;         /* but its mean, which is final */
-    size_t n_points;                      /* 0: one specimen, or no more spread than chance */
+    palp_specimens_fit specimens;         /* without the mean, which is final */
+    size_t n_points;                      /* 0: one specimen, or no significant spread */
     palp_specimens_point point[CHARACTERIZE_BAND];
     size_t n_warnings;
     char warning[CHARACTERIZE_WARNINGS_MAX][256];
 } characterize_state;
 
-/* On stderr, and kept for the report. */
+/* Warns on stderr and keeps the text for the report. */
 void characterize_warn(characterize_state *s, const char *format, ...);
 
 /* The fit the model comes from. */
@@ -132,12 +133,13 @@ double characterize_strain_max(const characterize_state *s);
 double characterize_total(const palp_lumped_fit *fit); /* sum of |residual|, N */
 double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const palp_recording *r);
 
-/* Each returns an exit code, after one line on stderr if it is not 0. */
+/* Functions that return int return an exit code, after one line on stderr if it is not 0. */
 int characterize_read(const characterize_options *o, characterize_state *s);  /* runs and their findings */
 int characterize_model(const characterize_options *o, characterize_state *s); /* all fits */
 palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring,
                                                  size_t n_arms);
-size_t characterize_depths(const characterize_state *s); /* different ones held, to 2 % */
+size_t
+characterize_depths(const characterize_state *s); /* number of different depths of dwells, within 2 % */
 int characterize_choose_law(const characterize_options *o, characterize_state *s); /* --law auto */
 int characterize_contacts(const characterize_options *o,
                           characterize_state *s); /* --contact; the runs' depths follow */
@@ -148,14 +150,14 @@ palp_status characterize_guess(const characterize_options *o, const characterize
 int characterize_tip_read(const characterize_options *o, const palp_experiment *experiment,
                           const palp_recording *run, characterize_state *s); /* of run s->n */
 int characterize_tip_fit(const characterize_options *o,
-                         characterize_state *s); /* the layer's moduli, where a tip is named */
+                         characterize_state *s); /* moduli of the layer, with a tip */
 void characterize_tip_print(const characterize_state *s);
 json_t *characterize_tip_json(const characterize_state *s); /* null without a tip */
-/* Several specimens: n_specimens is 1 where there is one, and then none of these changes anything. */
+/* Several specimens. With one, n_specimens is 1 and these functions change nothing. */
 int characterize_group(const characterize_options *o, characterize_state *s);      /* runs as of one size */
 int characterize_find_level(const characterize_options *o, characterize_state *s); /* factor */
 void characterize_level(characterize_state *s,
-                        bool on); /* divides each specimen's forces by its factor, or takes that back */
+                        bool on); /* divides the forces of each specimen by its factor, or undoes this */
 palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings,
                                        palp_error *error);
 const char *characterize_specimen_name(const characterize_state *s, size_t k);
@@ -166,7 +168,7 @@ int characterize_compare(characterize_state *s); /* the model with its runs, run
 size_t characterize_spectrum_points(const characterize_state *s); /* of all runs */
 double characterize_modulus(const palp_recording *r,
                             double stiffness_N_m); /* Pa, of the cylinder; NaN without a radius */
-/* What a model of these arms has where a run oscillates about a depth. */
+/* Storage and loss of the model about a depth. */
 palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m,
                                         size_t n, const double *frequency_Hz, double *storage_N_m,
                                         double *loss_N_m);

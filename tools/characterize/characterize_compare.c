@@ -31,7 +31,7 @@ static void compare_springs(characterize_state *s) {
     s->gap_after_percent = s->n_gap ? after : NAN;
 }
 
-/* How well the law is known over the strains measured. */
+/* Confidence band of the law over the measured strains. */
 static void find_band(characterize_state *s) {
     double strain[CHARACTERIZE_BAND], stiffness[CHARACTERIZE_BAND], sd[CHARACTERIZE_BAND];
     for (size_t i = 0; i < CHARACTERIZE_BAND; i++)

@@ -7,7 +7,7 @@
 
 static const char NAME[] = "characterize";
 
-/* Depth 0 is the contact that was found; what is left of its doubt is its scatter. */
+/* Makes depth 0 the fitted contact, whose uncertainty is then the scatter. */
 static void move_contacts(characterize_state *s, const palp_lumped_fit *fit) {
     for (size_t r = 0; r < s->n; r++) {
         palp_recording *run = &s->run[r];
@@ -19,8 +19,8 @@ static void move_contacts(characterize_state *s, const palp_lumped_fit *fit) {
     }
 }
 
-/* Contacts are judged by the law that is asked for, or by one that can follow any: what a law misses is not
- * to be taken for contacts. Its choice comes after them. */
+/* Contact shifts are estimated with the requested law, or with a flexible one: misfit of a law would look
+ * like shifts. The law is chosen afterwards. */
 static void choose_settings(const characterize_options *o, characterize_state *s,
                             palp_characterize_settings *settings) {
     enum { RICH = 5 };
@@ -29,11 +29,11 @@ static void choose_settings(const characterize_options *o, characterize_state *s
     palp_status status = o->law_auto ? characterize_guess_polynomial(s, RICH, &settings->law)
                                      : characterize_guess(o, s, &settings->law);
     if (status)
-        s->contact = PALP_CONTACT_KNOWN; /* no law to judge them by: the fit will say why */
+        s->contact = PALP_CONTACT_KNOWN; /* no law is possible: the fit will report why */
 }
 
-/* A stiffer specimen or a wider tip is no earlier contact: runs that each have their own tell nothing of
- * contacts. */
+/* Whether all runs have one specimen and tip. Otherwise a stiffer specimen or wider tip would look like an
+ * earlier contact. */
 static bool alike(const characterize_state *s) {
     bool same = s->n_tip_specimens < 2 && s->n_specimens < s->n;
     for (size_t i = 1; i < s->n && s->has_tip; i++)

@@ -60,7 +60,7 @@ static json_t *scores_json(const characterize_scores *c, const char *what, bool 
     return list;
 }
 
-/* Of --law auto: each law that was tried, in the order of preference. */
+/* The laws of --law auto, in order of preference. */
 static json_t *laws_json(const characterize_state *s) {
     json_t *list = json_array();
     for (size_t k = 0; k < s->laws.n; k++) {

@@ -8,7 +8,7 @@ static const char NAME[] = "characterize";
 
 /* ---- first guesses ---- */
 
-/* K_inf of the single depths as if recorded by a static press: a law through them by least squares. */
+/* Fits a law to K_inf of the depths, as if recorded by a static press, by least squares. */
 palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law) {
     double depth[CHARACTERIZE_RUNS_MAX], force[CHARACTERIZE_RUNS_MAX], norm = 0;
     unsigned char use[CHARACTERIZE_RUNS_MAX];
@@ -28,7 +28,7 @@ palp_status characterize_law_of_depths(const characterize_state *s, size_t degre
     return degree ? palp_thesis_polynomial(&points, degree, law, &norm) : PALP_ERR_INPUT;
 }
 
-/* Force over strain at the deepest point of a run: a stiffness to start from. */
+/* Force over strain at the deepest point of a run: a first guess of the stiffness. */
 static double rough_stiffness(const palp_recording *r) {
     size_t last = r->n - 1;
     while (last > 0 && (r->depth_m[last] < 0.9 * r->deepest_m || !r->use[last]))
@@ -39,7 +39,7 @@ static double rough_stiffness(const palp_recording *r) {
     return fmax(r->force_N[last], 1e-3 * largest) / strain;
 }
 
-/* A polynomial K(e) to start from. */
+/* Initial polynomial K(e). */
 static palp_status rough_law(const characterize_state *s, size_t n, palp_law *law) {
     double c[PALP_LAW_MAX] = {rough_stiffness(&s->run[0])};
     if (s->n_static > 0 && n <= DEGREE_MAX && s->plain[0][n].n == n) {
@@ -134,7 +134,7 @@ static palp_status list_laws(characterize_state *s) {
     return status;
 }
 
-/* One ramp to one depth at one speed, up to what is not exact in them. */
+/* Whether all runs are ramps to one depth at one speed, within a tolerance. */
 static bool one_ramp(const characterize_state *s) {
     double least = INFINITY, most = 0;
     for (size_t i = 0; i < s->n; i++) {

@@ -8,7 +8,7 @@
 
 static const char NAME[] = "characterize";
 
-/* The runs in which time matters: all but the static ones. */
+/* The runs that are not static. */
 static const palp_recording *timed(const characterize_state *s, size_t *n) {
     *n = s->n - s->n_static;
     return &s->run[s->n_static];
@@ -52,7 +52,7 @@ static int choose_degree(const characterize_options *o, characterize_state *s) {
 
 /* ---- ramp and hold ---- */
 
-/* The residual of a fit over the noise, of all samples of all runs. */
+/* Residual over noise, rms over all samples of all runs. */
 static double whole_ratio(const palp_lumped_fit *fit, const palp_recording *run) {
     double square = 0, count = 0;
     for (size_t i = 0; i < fit->n_runs; i++) {
@@ -63,15 +63,15 @@ static double whole_ratio(const palp_lumped_fit *fit, const palp_recording *run)
     return sqrt(square / count);
 }
 
-/* Fits each number of arms to tell its residual, and how many arms the one chosen really tells apart: that
- * one from all starts, the others, which are only told of, from the best. Where the data told fewer arms
- * apart, fits of the numbers between end alike. */
+/* Fits each number of arms for its residual and for how many arms it identifies. The chosen number is fitted
+ * from all starts, the others from the best one. If the data identify fewer arms, the numbers between give
+ * the same fit. */
 static palp_status try_arms(characterize_state *s, palp_characterize_settings settings, size_t most,
                             progress *bar) {
     palp_error error = {PALP_OK, ""};
     palp_status status = PALP_OK;
     size_t n = 0, starts = settings.starts, apart = most + 1;
-    double ratio = NAN; /* of the last fit that was only to be told of, and that told so many arms apart */
+    double ratio = NAN; /* of the last fit with fewer arms; how many it identifies */
     const palp_recording *run = timed(s, &n);
     for (size_t k = most + 1; k-- > 0 && status == PALP_OK;) {
         palp_lumped_fit fit;
@@ -95,8 +95,8 @@ static palp_status try_arms(characterize_state *s, palp_characterize_settings se
     return status;
 }
 
-/* Arms by the error on samples left out; each run has its own spring if all are single holds.
- * Data that do not carry the most arms tried are asked for fewer. */
+/* Chooses the number of arms by cross-validation. If all runs are ramps and holds, each has its own spring.
+ * If the data do not identify the highest number, lower ones are tried. */
 static int choose_arms(const characterize_options *o, characterize_state *s, progress *bar) {
     palp_error error = {PALP_OK, ""};
     size_t n = 0, most = SELECT_ARMS_MAX;
@@ -151,8 +151,7 @@ static int fit_shared(const characterize_options *o, characterize_state *s) {
 
 /* ---- the joint fit ---- */
 
-/* A law that is not linear in its numbers stands still but for its size in a spectrum: those of a fit with
- * free arms. */
+/* Fixed arms or a fractional element need a law of fixed shape: that of a fit with free arms. */
 static palp_status guess_law(const characterize_state *s, palp_characterize_settings *settings,
                              palp_error *error) {
     palp_lumped_fit fit;
@@ -189,7 +188,8 @@ static int fit_joint(const characterize_options *o, characterize_state *s) {
     return CLI_OK;
 }
 
-/* The thesis' procedure: arms of the grid, the plain static polynomial or a law through the depths' K_inf. */
+/* The thesis' procedure: arms of the grid search; the law is the plain static polynomial, or one through
+ * K_inf of each depth. */
 static int assemble_grid(characterize_state *s) {
     s->material = s->shared.material;
     palp_status status = s->n_static ? PALP_OK : characterize_law_of_depths(s, s->degree, &s->material.law);
@@ -297,8 +297,7 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     progress_update(&bar, 0.5);
     code = code ? code : characterize_contacts(o, s);
     characterize_level(s, false);
-    code = code || s->contact == PALP_CONTACT_KNOWN ? code
-                                                    : fit_plain(o, s); /* from the contacts that were found */
+    code = code || s->contact == PALP_CONTACT_KNOWN ? code : fit_plain(o, s); /* with the new contacts */
     code = code ? code : fit_single(o, s);
     progress_update(&bar, 0.65);
     code = code ? code : fit_shared(o, s);

@@ -53,7 +53,7 @@ static void tell(const palp_recording *r) {
 
 /* ---- reading ---- */
 
-/* Adds the run to the state, unless there is no specimen in it. */
+/* Adds the run unless it has no specimen. */
 static int take_one(const characterize_options *o, const char *file, const palp_experiment *experiment,
                     characterize_state *s) {
     palp_error error = {PALP_OK, ""};
@@ -75,7 +75,7 @@ static int take_one(const characterize_options *o, const char *file, const palp_
     return code;
 }
 
-/* Runs that go on in another file become one, in the place of the first part. */
+/* Joins runs that continue in another file, in place of the first part. */
 static int join(const characterize_options *o, palp_experiment **run) {
     palp_experiment *whole[CHARACTERIZE_RUNS_MAX];
     size_t of[CHARACTERIZE_RUNS_MAX];
@@ -94,7 +94,6 @@ static int join(const characterize_options *o, palp_experiment **run) {
     return CLI_OK;
 }
 
-/* Those that run_before leaves as they are in the order given. */
 static void sort(characterize_state *s) {
     for (size_t i = 1; i < s->n; i++) {
         palp_recording moved = s->run[i];

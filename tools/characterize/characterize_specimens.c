@@ -19,7 +19,7 @@ static bool same_folder(const char *a, const char *b) {
     return n == (end_b ? (size_t)(end_b - b) : 0) && strncmp(a, b, n) == 0;
 }
 
-/* A radius that is not given may be any. */
+/* An unknown radius equals any. */
 static bool same_size(const palp_recording *a, const palp_recording *b) {
     return close_to(a->height_m, b->height_m) &&
            (a->radius_m == 0 || b->radius_m == 0 || close_to(a->radius_m, b->radius_m));
@@ -40,7 +40,7 @@ static bool same_specimen(const characterize_options *o, const palp_recording *a
     }
 }
 
-/* What a specimen is called in tables: its name, else its first run. */
+/* Name of a specimen for tables, else of its first run. */
 const char *characterize_specimen_name(const characterize_state *s, size_t k) {
     for (size_t r = 0; r < s->n; r++)
         if (s->specimen[r] == k)
@@ -120,7 +120,7 @@ int characterize_group(const characterize_options *options, characterize_state *
         code = add_to(s, r, before < r ? s->specimen[before] : s->n_specimens);
     }
     if (code == CLI_OK && s->n_specimens > 1 &&
-        s->has_tip) { /* a tip's force is no stress: only the moduli are pooled */
+        s->has_tip) { /* a tip's force does not scale with area, so only the moduli are pooled */
         characterize_warn(s,
                           "%zu specimens under a tip: their moduli are pooled; the lumped model is fitted to "
                           "all runs as if of one specimen",
@@ -133,7 +133,7 @@ int characterize_group(const characterize_options *options, characterize_state *
 
 /* ---- one level ---- */
 
-/* By how much the specimens' forces differ, by a law that follows most and two arms. */
+/* Factors of the specimens' forces, by a flexible law and two arms. */
 int characterize_find_level(const characterize_options *o, characterize_state *s) {
     enum { COEFFICIENTS = 3, ARMS = 2 };
     palp_error error = {PALP_OK, ""};
@@ -171,7 +171,7 @@ static void fill_points(characterize_state *s) {
         s->n_points = CHARACTERIZE_BAND;
 }
 
-/* Each specimen's own numbers, where its runs tell them; else one fit of all, as of one specimen. */
+/* Fits each specimen if its runs identify the parameters; else all runs as of one specimen. */
 palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings,
                                        palp_error *error) {
     palp_error why = {PALP_OK, ""};
@@ -203,7 +203,7 @@ palp_status characterize_fit_specimens(characterize_state *s, const palp_charact
 
 /* ---- output ---- */
 
-/* Place of parameter i of the model (coefficients, K_j, b_j) among the estimates, which have tau_j too. */
+/* Index of parameter i of the model (coefficients, K_j, b_j) among the estimates, which include tau_j. */
 static size_t estimate_of(const palp_lumped_fit *fit, size_t i) {
     size_t springs = fit->material.law.n;
     return i < springs ? i : springs + 3 * ((i - springs) / 2) + (i - springs) % 2;

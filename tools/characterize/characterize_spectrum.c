@@ -87,8 +87,8 @@ json_t *characterize_spectrum_json(const characterize_state *s) {
 
 /* ---- frequencies of the model's curve ---- */
 
-/* From what the longest run sees, or the lowest frequency driven, to twice the highest; of runs that do not
- * oscillate to what the fastest ramp sees. */
+/* Range of the model's curve: from the longest run or the lowest driven frequency to twice the highest.
+ * Without oscillation it ends at the rate of the fastest ramp. */
 static void range_of(const characterize_state *s, double *low, double *high) {
     bool driven = characterize_spectrum_points(s) > 0;
     *low = HUGE_VAL;

@@ -41,8 +41,8 @@ void characterize_warn(characterize_state *s, const char *format, ...) {
         memcpy(s->warning[s->n_warnings++], text, sizeof text);
 }
 
-/* A spring for each run is constant, which K(e) is not on the ramp: such fits see the hold only, as in
- * Section 4.3.3; the ramp is for the joint law. */
+/* Fits with a constant spring for each run use the dwell only, as K(e) is not constant on the ramp
+ * (Section 4.3.3). The joint law also uses the ramp. */
 palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring,
                                                  size_t n_arms) {
     palp_characterize_settings settings = palp_characterize_settings_default();
@@ -52,8 +52,8 @@ palp_characterize_settings characterize_settings(const characterize_options *o, 
     return settings;
 }
 
-/* Different depths held, to 2 %: what a polynomial can be told from without a static run. A press of
- * another kind counts for its steps: as many as a quadratic needs. */
+/* Number of different depths of dwells, within 2 %: the data for a polynomial without a static run. A press
+ * of another kind counts as three, enough for a quadratic. */
 size_t characterize_depths(const characterize_state *s) {
     size_t count = 0;
     double last = 0;

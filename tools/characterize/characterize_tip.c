@@ -11,13 +11,13 @@ static const double RADIAN = 3.14159265358979323846 / 180.0;
 
 /* ---- reading ---- */
 
-/* The option's number, else the file's; 0 = neither. */
+/* The option, else the value in the file; 0 = neither. */
 static double number_of(double option, const palp_experiment *run, const char *key) {
     double value = 0;
     return option > 0 ? option : palp_experiment_get_number(run, key, &value) == PALP_OK ? value : 0;
 }
 
-/* What of the tip's size is missing, in words; NULL if nothing. */
+/* The missing dimension of the tip in words; NULL if none. */
 static const char *missing(const palp_indentation *tip) {
     if (tip->tip == PALP_TIP_CONE)
         return tip->half_angle_rad > 0 && tip->half_angle_rad < 90 * RADIAN
@@ -63,7 +63,7 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
 
 /* ---- the fit ---- */
 
-/* How deep small strain holds to some 2 % (data/tips); under a sharp cone at no depth. */
+/* Depth to which linear elasticity is within some 2 % (data/tips); zero under a sharp cone. */
 static bool too_deep(const palp_indentation *tip, double depth_m) {
     double depth = depth_m / tip->thickness_m;
     if (tip->large_strain)
@@ -118,7 +118,6 @@ static void judge(const characterize_options *o, characterize_state *s) {
                           s->run[deep].name, s->run[deep].deepest_m / s->tip[deep].thickness_m);
 }
 
-/* With Poisson's ratio found where it can be. */
 static palp_moduli_settings settings_of(const characterize_options *o, const characterize_state *s) {
     palp_moduli_settings settings = palp_moduli_settings_default();
     /* Arms of free times as many as asked for, not what one law for all tips has left; of a spectrum at most
@@ -132,7 +131,7 @@ static palp_moduli_settings settings_of(const characterize_options *o, const cha
     return settings;
 }
 
-/* Each specimen by its own runs, with Poisson's ratio of all; the moduli become the mean of them. */
+/* Fits the moduli of each specimen with the common Poisson's ratio; the result is their mean. */
 static palp_status pool(const characterize_options *o, characterize_state *s, palp_error *error) {
     const size_t n = s->n_tip_specimens;
     palp_moduli_settings settings = settings_of(o, s);
@@ -165,7 +164,7 @@ static palp_status fit(const characterize_options *o, characterize_state *s, pal
     return status;
 }
 
-/* What lies beyond the tables is left out, and said. */
+/* Drops the large-strain correction outside of its tables, with a warning. */
 int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
     palp_error error = {PALP_OK, ""};
     if (!s->has_tip)

@@ -6,7 +6,7 @@
 
 enum { HALF_MAX = (CALCULIX_POINTS_MAX + 1) / 2, GAUSS = 5 };
 
-/* Elements in the order of their rest lengths and factors. */
+/* Sorts elements by rest length and factor. */
 typedef struct spring {
     double length_m, factor;
     int32_t a, b;
@@ -41,7 +41,7 @@ static void mass_and_load(const palp_law *law, size_t n, const double *strain, d
 void calculix_table(const palp_law *law, size_t n, const double *strain, double *force_N) {
     double diagonal[HALF_MAX], upper[HALF_MAX] = {0}, load[HALF_MAX];
     mass_and_load(law, n, strain, diagonal, upper, load);
-    for (size_t i = 2; i < n; i++) { /* force_N[0] = 0 takes row and column 0 out */
+    for (size_t i = 2; i < n; i++) { /* force_N[0] = 0 removes row and column 0 */
         double q = upper[i - 1] / diagonal[i - 1];
         diagonal[i] -= q * upper[i - 1];
         load[i] -= q * load[i - 1];
@@ -95,7 +95,7 @@ static void write_table(const calculix_deck *deck, const double *strain, const d
     }
 }
 
-/* A set of elements and a table for each rest length and factor, within rounding. */
+/* Writes an element set and a table for each rest length and factor, within rounding. */
 static palp_status write_springs(const calculix_deck *deck, FILE *to) {
     double strain[HALF_MAX], force_N[HALF_MAX];
     size_t half = deck->table_points / 2, n = palp_mesh_element_count(deck->mesh), group = 0;
@@ -139,7 +139,7 @@ static palp_status write_supports(const calculix_deck *deck, FILE *to) {
     return PALP_OK;
 }
 
-/* A step to depth_m, cut so finely that Newton stays on the branch that leads there from rest. */
+/* Writes a step to depth_m, with increments small enough to stay on the branch from rest. */
 static void write_step(const calculix_deck *deck, double from_m, double depth_m, FILE *to) {
     double increment = deck->step_strain * deck->height_m / fabs(depth_m - from_m);
     increment = increment < 1 ? increment : 1;

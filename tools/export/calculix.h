@@ -7,8 +7,8 @@
 #include <palpate/network.h>
 #include <stdio.h>
 
-/* CalculiX 2.20 resamples a spring's table of 200 points or more onto fewer and then loses accuracy;
- * an odd number gives a point at zero. */
+/* CalculiX 2.20 resamples spring tables of 200 points or more and loses accuracy; an odd number has a point
+ * at zero. */
 enum { CALCULIX_POINTS_MAX = 199 };
 
 typedef struct calculix_deck {
@@ -28,8 +28,8 @@ typedef struct calculix_deck {
 /* Writes the deck in mm and N. The caller looks at ferror. */
 palp_status calculix_write(const calculix_deck *deck, FILE *to);
 
-/* The continuous piecewise linear function on n knots strain[0] = 0 < strain[1] ..., zero at 0, that
- * is nearest to K(e) e in the least-squares sense: its error has no bias, where a chord's has. */
+/* Least-squares fit of K(e) e by a continuous piecewise linear function on n knots strain[0] = 0 < strain[1]
+ * ..., zero at 0. Unlike interpolation it has no bias. */
 void calculix_table(const palp_law *law, size_t n, const double *strain, double *force_N);
 
 #endif

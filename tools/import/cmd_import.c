@@ -122,7 +122,7 @@ static int check_options(const import_options *o) {
     return code ? code : check_list("units", o->units);
 }
 
-/* No two experiments under one name, and none in the place of a file that is read or of a recording. */
+/* Every experiment has its own name, and replaces neither an input nor a recording. */
 static int check_names(const import_options *o, const import_sources *all) {
     int code = CLI_OK;
     for (size_t i = 0; i < all->n && code == CLI_OK; i++) {
@@ -134,8 +134,7 @@ static int check_names(const import_options *o, const import_sources *all) {
                                        "%s and %s would both become %s.csv: import them into two folders",
                                        all->source[j]->file, s->file, s->name);
         }
-        snprintf(path, sizeof path, "%s/%s.csv", o->out,
-                 s->name); /* cut short, it is refused when it is written */
+        snprintf(path, sizeof path, "%s/%s.csv", o->out, s->name);
         code = cli_output_check(NAME, path, o->force, o->n_files, o->files);
     }
     return code;
@@ -149,7 +148,7 @@ static int read_file(const import_options *o, const char *file, import_sources *
     return code;
 }
 
-/* A block in which the stage stands still, to a few steps of its scale, is a wait or a setting to zero. */
+/* A block in which the stage moves by a few steps of its resolution at most is a wait or a zeroing. */
 static bool moves(const import_source *s) {
     double low = s->depth_mm[0], high = low, step = HUGE_VAL;
     for (size_t i = 1; i < s->rows; i++) {
@@ -161,7 +160,7 @@ static bool moves(const import_source *s) {
     return high - low > 5 * step;
 }
 
-/* Signs, contact and protocol of all, before the first file is written. */
+/* Finds signs, contact and protocol of all files before the first one is written. */
 static int find_contacts(const import_options *o, import_sources *all) {
     int code = CLI_OK;
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
@@ -228,7 +227,7 @@ static int by_name(const void *a, const void *b) {
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* The files in a folder but for hidden ones, by their names. */
+/* The files of a folder without hidden ones, sorted by name. */
 static int add_folder(names *list, const char *folder, DIR *open) {
     size_t first = list->n;
     for (struct dirent *entry; (entry = readdir(open));) {
@@ -246,7 +245,6 @@ static int add_folder(names *list, const char *folder, DIR *open) {
     return CLI_OK;
 }
 
-/* The files that the words of the command line name. */
 static int find_files(import_options *o, size_t n, const char **words, names *list) {
     int code = CLI_OK;
     for (size_t i = 0; code == CLI_OK && i < n; i++) {

@@ -13,7 +13,7 @@ static const char *const units_of[QUANTITIES] = {"s", "mm (or um, m, %, stretch,
 static const char *const units_of_stress = "kPa (or Pa, MPa, ...)", *const units_of_strain =
                                                                         "1 (or %, stretch)";
 
-static const double ALIKE = 1e-3; /* of its range: two columns of the same */
+static const double ALIKE = 1e-3; /* share of its range within which two columns are equal */
 
 static double at(const import_source *s, size_t i, size_t column) {
     return s->value[i * s->n_columns + column];
@@ -46,7 +46,7 @@ static void list_columns(const import_source *s, char *to, size_t room) {
     }
 }
 
-/* By its name, else by its number from 1. */
+/* Finds a column by its name, else by its number from 1. */
 static int find_named(import_source *s, int role, const char *wanted) {
     double number;
     char columns[1024];
@@ -98,7 +98,7 @@ static const import_unit *unit_of(const import_source *s, size_t j) {
     return unit || !s->clock[j] ? unit : import_unit_find("s");
 }
 
-/* Whether two columns are the same but for a constant and their sign, in the units that they have. */
+/* Whether two columns are equal except for a constant and their sign, in their units. */
 static bool same_data(const import_source *s, size_t a, size_t b) {
     const import_unit *ua = unit_of(s, a), *ub = unit_of(s, b);
     double fa = ua ? ua->factor : 1, fb = ub ? ub->factor : 1;
@@ -119,7 +119,7 @@ static bool same_data(const import_source *s, size_t a, size_t b) {
     return false;
 }
 
-/* How surely a column is a quantity; one that stands still, or a clock that falls, is less surely so. */
+/* Confidence that a column is a quantity; lower if it is constant, or is a clock that runs backwards. */
 static int rank_of(const import_source *s, size_t j, int role) {
     const import_unit *unit = unit_of(s, j);
     int rank = *s->column[j] || s->clock[j] ? import_name_rank(s->column[j], unit, role) : 0;
@@ -141,7 +141,8 @@ static int ambiguous(const import_source *s, int role, size_t a, size_t b) {
                        s->file, a + 1, s->column[a], b + 1, s->column[b], roles[role], roles[role], columns);
 }
 
-/* The Mach-1 says which axes it used; else the column that is most surely it. Two that are alike are one. */
+/* A Mach-1 file names its axes; otherwise the most probable column is taken. Two equal columns count as one.
+ */
 static int find_column(import_source *s, int role, bool quiet) {
     const char *axis = role == DEPTH ? import_setting(s, "Stage Axis") : NULL;
     axis = role == FORCE ? import_setting(s, "Load Cell Axis") : axis;
@@ -173,14 +174,13 @@ bool import_has_time(const import_options *o, import_source *s) {
     return *wanted || (find_column(s, TIME, true) == CLI_OK && s->used[TIME] != IMPORT_NONE);
 }
 
-/* Of a column that stands for a quantity, by --units of either. */
 static int find_unit(const import_options *o, import_source *s, int role, int quantity, bool quiet) {
     char wanted[IMPORT_WORD];
     listed(o->units, role, wanted);
     if (!*wanted)
         listed(o->units, quantity, wanted);
     const import_unit *unit = *wanted ? import_unit_find(wanted) : unit_of(s, s->used[role]);
-    if (!unit && role == TIME) { /* the one unit that is nearly always the same */
+    if (!unit && role == TIME) { /* seconds are nearly always right */
         unit = import_unit_find("s");
         s->seconds_assumed = true;
     }
@@ -206,8 +206,7 @@ static int not_there(const import_source *s, int role) {
         roles[role], roles[role], columns, role == TIME ? ", or give the sampling rate by --rate HZ" : "");
 }
 
-/* Whether another role stands in for a quantity: no column is named as it, or --units says that its column is
- * the other. */
+/* Whether another quantity replaces this one: no column has its name, or --units names that one. */
 static bool instead(const import_options *o, import_source *s, int quantity, int other) {
     char unit[IMPORT_WORD];
     listed(o->units, quantity, unit);
@@ -238,7 +237,8 @@ static int find_all(const import_options *o, import_source *s, bool quiet) {
     return code;
 }
 
-/* Depth and force of their own columns, else of strain and stress, or of a cantilever's deflection. */
+/* Takes depth and force from their own columns, else from strain and stress, or from the deflection of a
+ * cantilever. */
 static int settle(const import_options *o, import_source *s, bool quiet) {
     int code = CLI_OK;
     if (s->listed[STRAIN] && !s->listed[DEPTH])
@@ -271,7 +271,7 @@ static int settle(const import_options *o, import_source *s, bool quiet) {
     return code;
 }
 
-/* The column of a gap, or of the size left, that moves as the depth does: it tells the height too. */
+/* The column of a gap, or of the remaining height, that moves as the depth does; it also gives the height. */
 static void prefer_gap(import_source *s) {
     for (size_t j = 0;
          j < s->n_columns && s->height_mm <= 0 && s->used[DEPTH] != IMPORT_NONE && !s->listed[DEPTH]; j++) {

@@ -10,8 +10,9 @@ static const char NAME[] = "import";
 
 enum { REST_LEAST = 5, LAST = 11 };
 
-static const double unmistakable = 8;  /* noise sds that the force must rise by to tell a sign */
-static const double same_place = 0.02; /* of the travel of the run that starts where an approach ended */
+static const double unmistakable = 8; /* rise of the force, in sds of noise, needed to find a sign */
+static const double same_place =
+    0.02; /* share of the travel of the run that starts where an approach ended */
 
 static double average(const double *x, size_t n) {
     double sum = 0;
@@ -57,7 +58,7 @@ static void apply_signs(import_source *s) {
     s->last_mm = s->depth_mm[s->rows - 1];
 }
 
-/* Pressing is the motion along which the force's size grows: both are positive there. */
+/* Chooses signs so that depth and force grow while the plate presses. */
 int import_signs(const import_options *o, import_source *s) {
     palp_press press;
     if (look(s, &press))
@@ -110,7 +111,7 @@ static void not_reached(import_source *s, const palp_air *air) {
     s->zero_N = palp_air_force(air, s->time_s[s->rows - 1]);
 }
 
-/* The plate rests on the specimen before it moves: there are depth 0 and force 0. */
+/* The plate rests on the specimen before it moves: depth and force are 0 there. */
 static void use_start(const palp_press *press, import_source *s) {
     size_t rest = (size_t)(0.8 * (double)palp_press_rest(press));
     s->contact_rule = "ramp_start";
@@ -140,7 +141,7 @@ static const import_source *approach_before(const import_sources *all, const imp
     return best;
 }
 
-/* The load cell was set to zero under the force that the approach ended at. */
+/* Adds the force at the end of the approach, at which the load cell was zeroed. */
 static void use_approach(const import_source *a, import_source *s) {
     s->contact_rule = "find_contact";
     s->contact_from = a->name;
@@ -170,7 +171,7 @@ int import_contact_rule(const import_options *o, import_source *s) {
     return CLI_OK;
 }
 
-/* The same press once more: it starts in the same place and goes as far in the same time. */
+/* Whether two presses have the same start, travel and duration. */
 static bool same_press(const import_source *a, const import_source *b) {
     double way_a = way_mm(a), way_b = way_mm(b), within = same_place * fmax(way_a, way_b);
     double long_a = a->time_s[a->rows - 1] - a->time_s[0], long_b = b->time_s[b->rows - 1] - b->time_s[0];
@@ -218,8 +219,8 @@ static void choose(const import_options *o, const import_sources *all, const pal
     s->preload_N = average(s->force_N + s->rows - last, last) - s->zero_N;
 }
 
-/* Depth and force from contact on; a gap says there how high the specimen is, and a cantilever that bends
- * comes less deep. */
+/* Makes depth and force relative to contact. A gap gives the height there; the deflection of a cantilever
+ * reduces the depth. */
 static void shift(import_source *s) {
     double bend_mm_N = s->piezo && s->spring_N_m > 0 ? 1e3 / s->spring_N_m : 0;
     if (s->gap && s->height_mm <= 0) {

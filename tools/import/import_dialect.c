@@ -54,8 +54,8 @@ size_t import_split(char *line, char separator, char *fields[IMPORT_COLUMNS]) {
 
 /* ---- numbers ---- */
 
-/* The number at the start of a field without what groups its thousands, with a point; its length in the
- * field, 0 = none. */
+/* Copies the number at the start of a field with a decimal point and without grouping; returns its length in
+ * the field, 0 = none. */
 static size_t copy_number(const char *field, const import_dialect *d, char copy[IMPORT_WORD]) {
     size_t i = 0, n = 0, group = 0;
     bool grouped = false, point = false, any = false;
@@ -112,7 +112,7 @@ bool import_number(const char *field, const import_dialect *d, double *value) {
 
 /* ---- clocks ---- */
 
-/* Two or more whole numbers with the same sign between; how many characters they take. */
+/* Two or more whole numbers with the same separator; returns their length. */
 static size_t read_parts(const char *text, char sign, double part[3], size_t *parts) {
     size_t at = 0;
     for (*parts = 0; *parts < 3; (*parts)++) {
@@ -133,7 +133,7 @@ static size_t read_parts(const char *text, char sign, double part[3], size_t *pa
     return at;
 }
 
-/* Days from 1970 of a day of the calendar. */
+/* Days since 1970-01-01. */
 static double days_from_1970(double year, double month, double day) {
     double y = month <= 2 ? year - 1 : year, era = floor(y / 400), of_era = y - 400 * era;
     double of_year = floor((153 * (month + (month > 2 ? -3 : 9)) + 2) / 5) + day - 1;
@@ -197,7 +197,7 @@ bool import_clock(const char *text, double *seconds, bool *dated) {
 
 /* ---- which separator and which decimal sign ---- */
 
-/* A field that is a number in some dialect: digits, signs and marks only, and then perhaps a unit. */
+/* Whether a field is a number in some format: digits, signs and separators, perhaps with a unit. */
 static bool like_number(const char *field, char separator) {
     static const import_dialect some[] = {{';', '.', ','}, {';', ',', '.'}, {';', '.', ' '}, {';', ',', ' '}};
     double x;
@@ -222,7 +222,7 @@ static size_t row_numbers(const char *line, char separator, char *scratch, size_
     return numbers >= 2 && 2 * numbers > n ? numbers : 0;
 }
 
-/* Numbers in rows that are as wide as the row before, among lines spread over the file. */
+/* Numbers in rows as wide as the row before, among lines spread over the file. */
 static size_t score(const import_text *text, char separator, char *scratch) {
     size_t total = 0, before = 0, step = text->n / 1000 + 1;
     for (size_t i = 0; i < text->n; i += step) {
@@ -233,10 +233,10 @@ static size_t score(const import_text *text, char separator, char *scratch) {
     return total;
 }
 
-/* What a comma or a point must be, by the numbers that have it. */
+/* Meaning of a comma or a point, by the numbers that have it. */
 typedef struct evidence {
     size_t decimal[2], thousands[2];                         /* of '.' and ',' */
-    bool either[IMPORT_COLUMNS][2], without[IMPORT_COLUMNS]; /* 1,234 could be both; 987 */
+    bool either[IMPORT_COLUMNS][2], without[IMPORT_COLUMNS]; /* 1,234 is ambiguous; 987 is not */
 } evidence;
 
 static void weigh(const char *field, size_t column, evidence *e) {
@@ -266,7 +266,7 @@ static void weigh(const char *field, size_t column, evidence *e) {
     }
 }
 
-/* Where nothing else tells: 1,234 in each number of a column has a decimal comma, 1,234 among 987 groups
+/* Ambiguous numbers: 1,234 everywhere in a column has a decimal comma; 1,234 beside 987 has grouped
  * thousands. */
 static bool groups(const evidence *e, size_t mark, bool *any) {
     for (size_t j = 0; j < IMPORT_COLUMNS; j++) {

@@ -6,11 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    SHARED = 2
-}; /* columns at most that stand before the groups and are of all: a number of the row, a time */
+enum { SHARED = 2 }; /* most columns before the groups that belong to all: a row number, the time */
 
-/* A name without what numbers its specimen: "Force (N) Run #1" and "Force (N) Run #2" are the same. */
+/* The name without the number of its specimen: "Force (N) Run #1" and "Force (N) Run #2" are equal. */
 static void bare_name(const char *name, char to[IMPORT_WORD]) {
     size_t n = 0;
     import_plain(name, true, to, IMPORT_WORD);
@@ -20,7 +18,7 @@ static void bare_name(const char *name, char to[IMPORT_WORD]) {
     to[n] = '\0';
 }
 
-/* Whether each column from a place on is named as the one some columns before. */
+/* Whether each column from a place on has the name of the one a period before. */
 static bool repeats(const import_source *s, size_t from, size_t width) {
     char a[IMPORT_WORD], b[IMPORT_WORD];
     for (size_t j = from + width; j < s->n_columns; j++) {
@@ -37,7 +35,8 @@ static bool repeats(const import_source *s, size_t from, size_t width) {
     return true;
 }
 
-/* Whether columns name depth and force, and with those before the groups a time, which a rate may replace. */
+/* Whether columns name depth and force, and a time (which a rate can replace), counting those before the
+ * groups. */
 static bool whole_group(import_source *s, size_t from, size_t width, bool timed) {
     char *fields[IMPORT_COLUMNS], time[] = "time";
     size_t n = 0;
@@ -58,7 +57,7 @@ import_groups import_groups_find(import_source *s, bool timed) {
     return (import_groups){1, 0, s->n_columns};
 }
 
-/* The place in the whole table of a group's column. */
+/* Index in the whole table of a group's column. */
 static size_t place(const import_groups *g, size_t group, size_t column) {
     return column < g->from ? column : column + group * g->width;
 }

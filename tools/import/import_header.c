@@ -29,7 +29,7 @@ bool table_is_number(const table_scanner *c, const char *field) {
     return import_number(field, &c->dialect, &x) || import_clock(field, &x, &dated);
 }
 
-/* Bracketed words belong to the name before: "Time (s)" between blanks. */
+/* Joins bracketed words to the name before: "Time (s)" between blanks. */
 static size_t join_brackets(char *fields[IMPORT_COLUMNS], size_t n) {
     size_t m = 0;
     for (size_t j = 0; j < n; j++) {
@@ -44,7 +44,7 @@ static size_t join_brackets(char *fields[IMPORT_COLUMNS], size_t n) {
     return m;
 }
 
-/* Two blanks and more part names that have single blanks in them. */
+/* Splits at two or more blanks names that contain single blanks. */
 static size_t split_wide(const table_scanner *c, size_t line, char *fields[IMPORT_COLUMNS]) {
     char *to = c->scratch2;
     for (const char *at = c->text->lines[line]; *at;) {
@@ -57,8 +57,8 @@ static size_t split_wide(const table_scanner *c, size_t line, char *fields[IMPOR
     return import_split(c->scratch, '\t', fields);
 }
 
-/* The fields of a line of names: of a table between blanks, by another sign if only that gives the table's
- * width. A key before them, "columns:", is none. */
+/* Splits a line of names, by another separator if only that gives the width of the table. A key before them,
+ * "columns:", is not a name. */
 static size_t names_of(const table_scanner *c, size_t line, size_t width, char *fields[IMPORT_COLUMNS]) {
     static const char others[] = "\t;,";
     size_t n = table_fields(c, line, fields);
@@ -89,7 +89,7 @@ int table_roles(char *const *fields, size_t n) {
     return seen[TIME] + (seen[DEPTH] || seen[STRAIN]) + (seen[FORCE] || seen[STRESS]);
 }
 
-/* All fields are units, in brackets or not, or empty; a unit at least. */
+/* Whether all fields are units, in brackets or not, or empty, with at least one unit. */
 static bool are_units(char *const *fields, size_t n) {
     size_t good = 0, other = 0;
     for (size_t j = 0; j < n; j++) {
@@ -125,8 +125,8 @@ static bool has_number(const table_scanner *c, char *const *fields, size_t n) {
     return false;
 }
 
-/* The line above the rows that names most of time, depth and force, the lowest of them; else the lowest that
- * has a field for most columns and no number. */
+/* The lowest of the lines above the rows with the most names of time, depth and force; else the lowest line
+ * with a text for most columns. */
 void table_find_names(const table_scanner *c, table_block *b) {
     char *fields[IMPORT_COLUMNS];
     size_t other = IMPORT_NONE, seen = 0;
@@ -188,12 +188,11 @@ void table_set_columns(const table_scanner *c, const table_block *b, import_sour
     char *fields[IMPORT_COLUMNS];
     size_t n = b->names == IMPORT_NONE ? 0 : names_of(c, b->names, b->width, fields);
     import_set_names(s, fields, n);
-    s->n_columns = n < b->width ? b->width : n; /* the rest has no name */
+    s->n_columns = n < b->width ? b->width : n; /* other columns have no name */
     if (b->roles < 2)
         list_names(c, b, s);
     n = b->units == IMPORT_NONE ? 0 : names_of(c, b->units, b->width, fields);
-    size_t label = n > 0 && is_unit_label(fields[0]),
-           more = label && n == s->n_columns + 1; /* beside the units, or in a column's place */
+    size_t label = n > 0 && is_unit_label(fields[0]), more = label && n == s->n_columns + 1;
     for (size_t j = label; j < n && j - more < s->n_columns; j++)
         add_unit(s->column[j - more], fields[j]);
 }

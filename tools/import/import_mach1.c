@@ -16,7 +16,7 @@ bool import_mach1_starts(const import_text *text) {
     return starts(text, ORIGINAL) || starts(text, TABLE);
 }
 
-/* Rows up to the end of the file, or of a block; there, a clock that starts anew after a divider goes on. */
+/* Reads rows to the end of the file or block. In a block the clock may restart after a divider. */
 static int read_rows(import_source *s, import_text *text, bool block) {
     char *fields[IMPORT_COLUMNS], *line;
     double clock = 0;
@@ -77,8 +77,8 @@ static void name_block(import_source *s, size_t number) {
     s->name[n < room ? n : room] = '\0';
 }
 
-/* <INFO> ... <END INFO>, <Function>, settings, <DATA>, names, rows, <END DATA>, and again. The settings of
- * the first part, when the session began among them, hold for all blocks. */
+/* The file repeats <INFO> ... <END INFO>, <Function>, settings, <DATA>, names, rows, <END DATA>. Settings of
+ * the first part, such as the start of the session, hold for all blocks. */
 static int read_blocks(import_text *text, import_sources *all) {
     import_source *head = calloc(1, sizeof *head), *s;
     size_t blocks = 0, common = 0;

@@ -11,7 +11,7 @@ bool import_is_approach(const import_source *s) {
            (import_setting(s, "Contact Criteria, gf") || strcmp(s->block, "Find Contact") == 0);
 }
 
-/* "ramp, dwell"; of many pieces how often each, at its first. */
+/* "ramp, dwell"; of many pieces each kind once, with its count. */
 static void say_pieces(const palp_pieces *pieces, char to[IMPORT_WORD]) {
     size_t count[PALP_MOTION_COUNT] = {0}, length = 0;
     bool few = pieces->n <= 6;

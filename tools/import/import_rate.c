@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Seconds from sample to sample; 0 = neither the user nor the file says. */
+/* Sampling interval, s; 0 = neither option nor file gives it. */
 static double step_of(const import_options *o, const import_source *s, const char **from) {
     *from = "--rate";
     if (o->rate_Hz > 0)
@@ -19,7 +19,7 @@ bool import_rate_known(const import_options *o, const import_source *s) {
     return step_of(o, s, &from) > 0;
 }
 
-/* One more column, the last. */
+/* Appends a column. */
 static bool widen(import_source *s) {
     size_t n = s->n_columns;
     double *value = realloc(s->value, (s->rows ? s->rows : 1) * (n + 1) * sizeof *value);

@@ -9,7 +9,7 @@
 static const char NAME[] = "import";
 static const char *const quantities[] = {"time", "depth", "force"};
 
-/* Parts of one run start where the one before ended, to this part of the travel. */
+/* share of the travel within which a part starts at the end of the one before */
 static const double GOES_ON = 0.05;
 
 static double *cell(const import_source *s, size_t i, size_t column) {
@@ -32,8 +32,8 @@ static double range_of(const import_source *s, size_t column) {
     return high - low;
 }
 
-/* Whether b is the next part of a: its time goes on or starts anew, and the plate is where it was; not where
- * all of a began, if the time starts anew: that is the next specimen. */
+/* Whether b continues a: its time continues or restarts, and the plate is where it was. If the time restarts
+ * at the place where a began, b is another specimen. */
 static bool goes_on(const import_source *a, const import_source *b) {
     size_t time = used_for(a, TIME), depth = used_for(a, DEPTH);
     double within = GOES_ON * fmax(range_of(a, depth), range_of(b, depth));
@@ -58,7 +58,7 @@ static bool append_rows(import_source *a, const import_source *b) {
     return true;
 }
 
-/* Those that stay apart are numbered. */
+/* Numbers the tables that were not joined. */
 static void number_names(import_sources *all, size_t first) {
     for (size_t i = first; all->n - first > 1 && i < all->n; i++) {
         char *name = all->source[i]->name;
@@ -112,7 +112,7 @@ static bool whole(const import_source *s, size_t i) {
     return true;
 }
 
-/* A clock that starts anew: the rows after this one stay below the last time too, and rise. */
+/* Whether a clock restarts: the rows after this one rise, but stay below the last time. */
 static bool restarts(const import_source *s, size_t i, double last) {
     enum { ROWS = 4 };
     size_t time = used_for(s, TIME), seen = 0;
@@ -134,7 +134,7 @@ static void keep(import_source *s, size_t i, size_t to) {
     s->line[to] = s->line[i];
 }
 
-/* Leaves out rows without a number and such whose time is that of the row before; counts them. */
+/* Removes and counts rows without a number, and rows that repeat a time. */
 static int sift(const import_options *o, import_source *s) {
     size_t time = used_for(s, TIME), kept = 0;
     double clock = 0, last = -HUGE_VAL, step = 0;
@@ -174,7 +174,7 @@ bool import_is_stretch(const import_source *s) {
                                         strstr(s->column[s->used[STRAIN]], "tretch") != NULL);
 }
 
-/* To s, mm and N of what the used column has. */
+/* Factor from the unit of the column in use to s, mm or N. */
 static double factor_of(const import_source *s, int q, double *offset) {
     double area_m2 = 3.14159265358979323846 * s->radius_mm * s->radius_mm * 1e-6;
     const import_unit *unit = s->unit[s->role[q]];
@@ -192,7 +192,6 @@ static double factor_of(const import_source *s, int q, double *offset) {
     }
 }
 
-/* x to the 15th digit of a number of this size: what is behind it, calculating has made. */
 double import_digits(double x, double size) {
     char text[48];
     if (x == 0 || size == 0 || !isfinite(x))
@@ -222,7 +221,7 @@ static int fill(import_source *s, int q, double *to) {
     return CLI_OK;
 }
 
-/* A clock's times are since its first row. */
+/* Makes clock times relative to the first row. */
 static void start_clock(import_source *s) {
     size_t time = used_for(s, TIME);
     if (s->clock[time] && s->rows > 0) {

@@ -12,7 +12,7 @@ typedef struct row {
 
 static const char *const titles[FIELDS] = {"run", "samples", "time", "depth", "force", "contact", "phases"};
 
-/* Characters that a text takes on the screen. */
+/* Width of a text on the screen. */
 static size_t width_of(const char *text) {
     size_t n = 0;
     for (; *text; text++)
@@ -20,7 +20,7 @@ static size_t width_of(const char *text) {
     return n;
 }
 
-/* Column number, name without its unit, unit, whether reversed. */
+/* Column number, name without unit, unit, and whether the sign changed. */
 static void say_column(const import_source *s, int role, bool reversed, char to[WIDEST]) {
     size_t column = s->used[role];
     char name[24];

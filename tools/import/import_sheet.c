@@ -36,7 +36,7 @@ static const struct kind {
                {"ssconvert", "-T", "Gnumeric_stf:stf_csv", "FILE", "fd://1", NULL}},
               "xls2csv (Debian package catdoc) or ssconvert (gnumeric)"}};
 
-/* Starts a helper with its output in a pipe; errno, 0 = it runs. */
+/* Starts a program with its output in a pipe; returns errno, 0 = it runs. */
 static int start(const char *const words[], const char *file, pid_t *pid, int *from) {
     char *argv[8] = {NULL};
     posix_spawn_file_actions_t actions;
@@ -59,7 +59,7 @@ static int start(const char *const words[], const char *file, pid_t *pid, int *f
     return error;
 }
 
-/* The helper's output; NULL: it failed or is not there (*missing). */
+/* Output of the program; NULL: it failed or is not installed (*missing). */
 static char *run(const char *const words[], const char *file, size_t *size, bool *missing) {
     pid_t pid;
     char *text = NULL, output[32];

@@ -12,8 +12,7 @@ static const double PI = 3.14159265358979323846;
 
 /* ---- sizes ---- */
 
-/* A setting's number in mm, mm2, N/m, Hz ...: by the unit behind the number, else in the key, else one of
- * these. */
+/* A setting in mm, mm2, N/m, Hz ...: by the unit after the number, else in the key, else this default. */
 static bool setting_value(const import_source *s, size_t i, import_dimension dimension, double *value) {
     const import_dialect *d = &s->dialect,
                          swapped = {d->separator, d->decimal == '.' ? ',' : '.', d->decimal};
@@ -60,7 +59,7 @@ static void use_size(import_source *s) {
     }
 }
 
-/* When it began, by a setting that is a date or a time of day. */
+/* The start, by a setting that is a date or a time of day. */
 static void find_stamp(import_source *s) {
     static const char *const words[] = {"date",      "time",      "datum",    "zeit",    "fecha", "data",
                                         "hora",      "heure",     "ora",      "beginn",  "start", "started",
@@ -162,8 +161,7 @@ int import_session(const import_options *o, import_sources *all) {
                                o->session);
     for (size_t i = 0; i < all->n; i++) {
         import_source *s = all->source[i];
-        day = told && !(dated && (begun_dated || !o->session)) ? 86400
-                                                               : 0; /* only the time of day is compared */
+        day = told && !(dated && (begun_dated || !o->session)) ? 86400 : 0; /* compare the time of day only */
         s->start_s = told ? s->stamp_s : file_time(s);
         s->start_s = day > 0 && s->start_s > day ? fmod(s->start_s, day) : s->start_s;
         first = fmin(first, s->start_s);

@@ -10,7 +10,7 @@ static const char NAME[] = "import";
 
 enum { PENDING = 3, SIDE_ROWS = 2 };
 
-/* Whether a line is a row of numbers: two of them at least and most of its fields that are not empty. */
+/* Whether a line is a row of numbers: at least two, and most of the fields that are not empty. */
 static bool is_row(const table_scanner *c, size_t line, size_t *width) {
     char *fields[IMPORT_COLUMNS];
     const char *text = c->text->lines[line];
@@ -28,7 +28,7 @@ static bool is_row(const table_scanner *c, size_t line, size_t *width) {
 
 /* ---- blocks ---- */
 
-/* Lines within a table that are no rows: a new header among them, or only faults. */
+/* Whether the lines within a table that are not rows are a new header, or only faults. */
 static bool header_between(const table_scanner *c, size_t from, size_t to) {
     char *fields[IMPORT_COLUMNS];
     size_t lines = 0;
@@ -51,7 +51,7 @@ static table_block *new_block(table_scanner *c, size_t above, size_t first, size
     return &c->blocks[c->n++];
 }
 
-/* A row may lack fields at its end, or have a word more. */
+/* A row may lack fields at its end, or have one more word. */
 static bool find_blocks(table_scanner *c) {
     table_block *b = NULL;
     for (size_t line = c->begin; line < c->text->n; line++) {
@@ -72,7 +72,7 @@ static bool find_blocks(table_scanner *c) {
     return true;
 }
 
-/* The table: of those that name time, depth and force, the longest; else the longest. */
+/* The main table: the longest of those that name time, depth and force; else the longest. */
 static const table_block *main_block(const table_scanner *c) {
     const table_block *best = NULL;
     for (size_t i = 0; i < c->n; i++) {
@@ -122,8 +122,8 @@ static void add_row_setting(const table_scanner *c, size_t line, import_source *
         import_add_setting(s, fields[0], text);
 }
 
-/* A small table beside the recording: names of the specimen's sizes, and the numbers under them, of its first
- * row or of that of a specimen. */
+/* Reads a table of sizes beside the recording: names, and the numbers below them in its first row or that of
+ * a specimen. */
 static void add_side_table(const table_scanner *c, const table_block *b, size_t row, import_source *s) {
     char *fields[IMPORT_COLUMNS];
     import_source *side = calloc(1, sizeof *side);
@@ -139,7 +139,7 @@ static void add_side_table(const table_scanner *c, const table_block *b, size_t 
     free(side);
 }
 
-/* Of all lines before the last row of the source that are no rows of a table. */
+/* Reads settings from all lines before the last row of the source that are not rows. */
 static void add_all_settings(const table_scanner *c, const table_block *own, const import_groups *groups,
                              size_t group, import_source *s) {
     for (size_t i = 0; i < c->n && &c->blocks[i] <= own; i++) {
@@ -162,7 +162,7 @@ static bool same_names(const import_source *a, const import_source *b) {
     return same;
 }
 
-/* Rows of a block; a line among them that is none becomes a row without numbers. */
+/* Reads the rows of a block; another line becomes a row without numbers. */
 static int read_rows(const table_scanner *c, const table_block *b, import_source *s) {
     char *fields[IMPORT_COLUMNS];
     int code = CLI_OK;
@@ -173,7 +173,7 @@ static int read_rows(const table_scanner *c, const table_block *b, import_source
     return code;
 }
 
-/* Whether a block is more of the main table: of the same columns, or without names and as wide. */
+/* Whether a block continues the main table: with the same columns, or without names and as wide. */
 static bool continues(const table_scanner *c, const table_block *b, const table_block *whole,
                       const import_source *reference) {
     import_source *own = calloc(1, sizeof *own);
@@ -188,7 +188,7 @@ static bool continues(const table_scanner *c, const table_block *b, const table_
     return same;
 }
 
-/* The rows of a block; where its columns repeat, one source of each group. */
+/* Makes a source from the rows of a block; from each group if its columns repeat. */
 static int add_source(const table_scanner *c, const table_block *b, const import_source *reference,
                       const import_groups *groups, import_sources *all) {
     import_source *s = import_append(all, c->text, reference->format), *part = s;
@@ -209,7 +209,7 @@ static int add_source(const table_scanner *c, const table_block *b, const import
     return code;
 }
 
-/* Takes out those that became sources of their groups. */
+/* Removes the sources that were divided into groups. */
 static void drop_whole(import_sources *all, size_t first) {
     size_t kept = first;
     for (size_t i = first; i < all->n; i++) {

@@ -10,7 +10,7 @@ static const char NAME[] = "import";
 
 /* ---- encodings: all become UTF-8 ---- */
 
-/* How many of the first bytes at this parity are NUL: a UTF-16 text without a mark shows by them. */
+/* Number of NUL bytes at even or odd places near the start, which show a UTF-16 text without a mark. */
 static size_t nuls(const unsigned char *text, size_t size, size_t parity) {
     size_t n = 0, most = size < 4096 ? size : 4096;
     for (size_t i = parity; i < most; i += 2)
@@ -59,7 +59,7 @@ static char *from_utf16(const unsigned char *from, size_t size, int order, size_
     return text;
 }
 
-/* Bytes of the UTF-8 character at text; 0 = it is none. */
+/* Length of the UTF-8 character at text; 0 = invalid. */
 static size_t utf8_bytes(const unsigned char *text) {
     size_t n = *text < 0x80                              ? 1
                : (*text & 0xE0) == 0xC0 && *text >= 0xC2 ? 2
@@ -97,12 +97,12 @@ static char *from_latin1(const char *from, size_t size, size_t *length) {
     return text;
 }
 
-/* From an encoding that the C library knows; NULL if the bytes are none of it, or it does not know it. */
+/* Converts from an encoding of the C library; NULL if the bytes are not valid in it, or it is unknown. */
 static char *from_encoding(const char *encoding, char *from, size_t size, size_t *length) {
     iconv_t converter = iconv_open("UTF-8", encoding);
     if (converter == (iconv_t)-1)
         return NULL;
-    size_t room = 2 * size + 4; /* at most three bytes of two, and of one that is no ASCII */
+    size_t room = 2 * size + 4; /* at most three bytes for two, and for one that is not ASCII */
     char *text = malloc(room + size + 1), *to = text;
     room += size;
     const bool done = text && iconv(converter, &from, &size, &to, &room) != (size_t)-1;
@@ -116,7 +116,7 @@ static char *from_encoding(const char *encoding, char *from, size_t size, size_t
     return text;
 }
 
-/* Chinese or Japanese, where the text names a time and a depth or a force in it; NULL if it does not. */
+/* Converts Chinese or Japanese text that names a time and a depth or force; NULL if it does not. */
 static char *from_east_asia(char *from, size_t size, size_t *length) {
     static const char *const encodings[] = {"GB18030", "CP932", "BIG5"};
     for (size_t i = 0; i < sizeof encodings / sizeof *encodings; i++) {
@@ -131,7 +131,7 @@ static char *from_east_asia(char *from, size_t size, size_t *length) {
     return NULL;
 }
 
-/* Blanks that do not break and the apostrophes between digits become ', the minus sign becomes '-'. */
+/* Replaces no-break blanks by blanks, apostrophes between digits by ' and the minus sign by -. */
 static size_t simplify(char *text) {
     static const struct {
         const char *is;
@@ -162,7 +162,7 @@ static size_t simplify(char *text) {
     return (size_t)(to - text);
 }
 
-/* Takes stray NUL bytes out of the text and counts them; false: they are so many that it is no text. */
+/* Removes and counts stray NUL bytes; false: there are too many for a text. */
 static bool take_nuls_out(char *text, size_t *size, size_t *stray) {
     size_t kept = 0;
     for (size_t i = 0; i < *size; i++)
@@ -215,8 +215,7 @@ static int index_lines(import_text *text, char *at) {
         char end = at[n];
         at[n] = '\0';
         size_t stamp = strspn(at, "0123456789:.");
-        if (stamp > 0 &&
-            strncmp(at + stamp, " -> ", 4) == 0) /* of a serial monitor, before the line itself */
+        if (stamp > 0 && strncmp(at + stamp, " -> ", 4) == 0)
             text->lines[text->n - 1] = at + stamp + 4;
         at += n + (end != '\0');
         at += end == '\r' && *at == '\n';

@@ -36,7 +36,7 @@ static bool kind_of_file(const import_source *s, palp_tip_kind *kind) {
     return false;
 }
 
-/* The kind is of the file only with the size that it needs. */
+/* Takes the shape from the file only with its size. */
 void import_tip(const import_options *o, import_source *s) {
     const char *key;
     palp_tip_kind kind;

@@ -64,8 +64,8 @@ static bool starts_han(unsigned char c) {
     return c >= 0xE3 && c <= 0xE9;
 }
 
-/* UTF-8 without accents: letters of Latin-1 become plain ones, micro u, squared 2; Chinese and Japanese ones
- * stay, other signs are left out. */
+/* Simplifies UTF-8: letters lose their accents, micro becomes u and squared 2. Chinese and Japanese
+ * characters stay, other signs are removed. */
 void import_plain(const char *from, bool lower, char *to, size_t room) {
     static const char plain[] = "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYPsaaaaaaaceeeeiiiidnooooo/ouuuuypy";
     size_t n = 0;
@@ -99,7 +99,7 @@ static bool same_letters(const char *a, const char *b) {
     return !*a && !*b;
 }
 
-/* As it is written; else, where it is longer than one letter, in capitals or not. */
+/* Finds a unit as written; if longer than one letter, also in other case. */
 const import_unit *import_unit_find(const char *name) {
     char plain[IMPORT_WORD];
     name += strspn(name, " ");
@@ -122,8 +122,8 @@ bool import_unit_any(const char *name) {
     return import_unit_find(name) != NULL;
 }
 
-/* A unit in brackets, the last of them; else the longest end of the name that is a unit: "Position (z), mm",
- * "force_N". */
+/* The last unit in brackets; else the longest end of the name that is a unit: "Position (z), mm", "force_N".
+ */
 const import_unit *import_unit_of_name(const char *name) {
     static const char opening[] = "([{", closing[] = ")]}", breaks[] = " ,/_|";
     char text[IMPORT_WORD];

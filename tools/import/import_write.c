@@ -10,7 +10,7 @@
 static const char NAME[] = "import";
 static const char *const formats[] = {"mach1", "instron", "csv"};
 
-/* A key of the header; the first failure sticks. */
+/* Adds a key to the header unless an earlier one failed. */
 static void number(palp_experiment *run, const char *key, double value, palp_status *status) {
     *status = *status ? *status : palp_experiment_set_number(run, key, value);
 }
@@ -112,7 +112,7 @@ static bool whole(const import_source *s, size_t j) {
     return true;
 }
 
-/* The other columns that have a name and are numbers throughout, under that name without commas. */
+/* Copies other columns that have a name and only numbers, with commas removed from their names. */
 static palp_status add_others(const import_source *s, palp_experiment *run) {
     for (size_t j = 0; j < s->n_columns; j++) {
         char name[IMPORT_WORD];

@@ -15,7 +15,7 @@
 #include <string.h>
 
 static const char NAME[] = "reduce";
-static const double POOR = 0.01; /* a held-out error above it is worth a warning */
+static const double POOR = 0.01; /* a larger held-out error gives a warning */
 
 typedef struct reduction {
     const reduce_options *options;
@@ -110,7 +110,7 @@ static int read_runs(reduction *r) {
     return code;
 }
 
-/* Every so many-th run is held out, the last of each group. */
+/* Holds out the last run of each group. */
 static int hold_out(reduction *r) {
     const reduce_options *o = r->options;
     size_t held = (size_t)(o->hold_out * (double)r->n + 0.5);

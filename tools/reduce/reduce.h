@@ -19,18 +19,18 @@ typedef struct reduce_options {
     bool json;
 } reduce_options;
 
-/* A run: what the plate, or a ball, did. */
+/* The path of the plate or of a ball. */
 typedef struct reduce_run {
     const char *file;
     size_t n;
     double *time_s, *depth_m; /* [n] */
-    palp_tool *tool;          /* [n], or NULL: the plate alone */
-    bool held_out;            /* its snapshots measure the error only */
+    palp_tool *tool;          /* [n], or NULL: only the plate moves */
+    bool held_out;            /* held out, to measure the error */
     palp_snapshots *snapshots;
     palp_reduce_error error; /* held_out only */
 } reduce_run;
 
-/* Reads a run, at most samples of its rows, evenly chosen; an exit code. */
+/* Reads a run, thinned to at most samples rows; returns an exit code. */
 int reduce_run_read(const char *file, size_t samples, reduce_run *run);
 void reduce_run_free(reduce_run *run);
 

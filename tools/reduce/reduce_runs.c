@@ -16,7 +16,7 @@ void reduce_run_free(reduce_run *run) {
     palp_snapshots_free(run->snapshots);
 }
 
-/* The ball's radius and friction; a run with one of the columns must have all. */
+/* Reads the ball's radius and friction; a run with one tool column needs all. */
 static int tool_read(const char *file, const palp_experiment *from, palp_tool *tool,
                      const double *column[3]) {
     size_t there = 0;

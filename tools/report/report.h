@@ -24,7 +24,7 @@ typedef enum report_kind {
 typedef struct report_file {
     char *path;         /* as named */
     const char *source; /* what is read: path, or copied */
-    FILE *copy;         /* of what is no regular file, such as a pipe */
+    FILE *copy;         /* copy of a pipe or the like */
     char copied[32];    /* its name */
     report_kind kind;
     char note[REPORT_NOTE_MAX];
@@ -32,7 +32,7 @@ typedef struct report_file {
     long long size;
     time_t modified;
     palp_experiment *experiment; /* recording, simulation */
-    palp_recording recording;    /* likewise; n = 0: could not be prepared */
+    palp_recording recording;    /* recording; n = 0: could not be prepared */
     palp_model model;            /* model */
     json_t *json;                /* model, result */
 } report_file;
@@ -54,13 +54,13 @@ typedef struct report {
 
 /* ---- report_load.c; exit codes, after one line on stderr if not 0 ---- */
 int report_add(report *r, const char *path, bool must_read); /* a file, or all of a folder */
-void report_sort(report *r); /* recordings, and simulations, as the figures' keys have them */
+void report_sort(report *r); /* recordings and simulations, by the keys of the figures */
 void report_free(report *r);
 size_t report_count(const report *r, report_kind kind);
 
 /* ---- report_figures.c ---- */
 int report_pairs(report *r);             /* simulations beside recordings */
-json_t *report_figures(const report *r); /* of recordings and models, that no result has; of the pairs */
+json_t *report_figures(const report *r); /* figures that no result has, of recordings, models and pairs */
 
 /* What the page shows; NULL = out of memory. (report_json.c) */
 json_t *report_json(const report *r, const char *title);

@@ -10,7 +10,7 @@ static const char NAME[] = "report";
 
 /* ---- simulations beside recordings ---- */
 
-/* The recording a simulation follows by its key protocol.like, or one of the same kind and depth. */
+/* The recording of a simulation: by its key protocol.like, or of the same kind and depth. */
 static const report_file *partner(const report *r, const report_file *simulation) {
     const palp_recording *s = &simulation->recording;
     const char *like = NULL;
@@ -36,7 +36,7 @@ static double value_at(const palp_recording *s, double *value, double t) {
     return palp_path_at(&path, t);
 }
 
-/* The band about the simulated force at the recording's samples, where the simulation has one (--band). */
+/* The simulated band at the recording's samples, if there is one (--band). */
 static void add_band(report_pair *p, double shift) {
     palp_experiment *simulated = p->simulation->experiment;
     const palp_recording *s = &p->simulation->recording, *r = &p->recording->recording;
@@ -53,7 +53,7 @@ static void add_band(report_pair *p, double shift) {
     }
 }
 
-/* Simulated minus recorded over what both cover; the largest against the recording without its noise. */
+/* Largest difference of simulated and recorded force in their common time, beyond the noise. */
 static bool compare(report_pair *p) {
     const palp_recording *s = &p->simulation->recording, *r = &p->recording->recording;
     const char *like;
@@ -102,7 +102,7 @@ int report_pairs(report *r) {
 
 /* ---- curves ---- */
 
-/* Recordings that can be drawn: static ones, or the others. */
+/* Draws recordings: the static ones, or the others. */
 static size_t collect(const report *r, bool is_static, run_curve *curve) {
     size_t n = 0;
     for (size_t i = 0; i < r->n && n < REPORT_CURVES_MAX; i++) {
@@ -116,7 +116,7 @@ static size_t collect(const report *r, bool is_static, run_curve *curve) {
     return n;
 }
 
-/* The lumped model's answer to the recorded depth, its effects with it. */
+/* Force of the lumped model, with effects, at the recorded depth. */
 static double *lumped_force(const palp_model *m, const palp_recording *r) {
     double *force = malloc(r->n * sizeof *force);
     palp_forward_run run = {.n = r->n, .time_s = r->time_s, .depth_m = r->depth_m};

@@ -35,7 +35,7 @@ static double deepest_strain(const report *r) {
     return most > 0 ? most : 0.4;
 }
 
-/* As the file has it, and its law over the strains measured. */
+/* The model of the file, with its law over the measured strains. */
 static json_t *model_json(const report_file *f, double strain_max) {
     enum { POINTS = 41 };
     double strain[POINTS], stiffness[POINTS];

@@ -47,12 +47,12 @@ static void load_run(report_file *file) {
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
         return;
     }
-    /* a simulated sensor's noise makes a recording of a simulation */
+    /* with noise a simulation counts as a recording */
     bool simulated = palp_experiment_get_string(file->experiment, "model.file", &text) == PALP_OK &&
                      palp_experiment_get_number(file->experiment, "sensor.noise_N", &number) != PALP_OK;
     file->kind = simulated ? REPORT_SIMULATION : REPORT_RECORDING;
     if (open_no_specimen(file->experiment))
-        return; /* nothing to prepare: the air, or the frame */
+        return; /* air and rigid blocks need no preparation */
     if (palp_recording_prepare(file->experiment, file->path, &settings, &file->recording, &error)) {
         snprintf(file->note, sizeof file->note, "%.*s", REPORT_NOTE_MAX - 1, error.text);
         memset(&file->recording, 0, sizeof file->recording);
@@ -80,7 +80,7 @@ static void load_json(report_file *file) {
     }
 }
 
-/* What can be read only once is copied first. */
+/* Copies what can be read only once, such as a pipe. */
 static int choose_source(report_file *file, struct stat *entry) {
     char *text;
     size_t size;
@@ -103,7 +103,7 @@ static int choose_source(report_file *file, struct stat *entry) {
     return CLI_OK;
 }
 
-/* The ending of a file's name; of a copy, as what it begins with shows. */
+/* Extension of a file's name; for a copy it follows from the content. */
 static const char *ending_of(const report_file *file) {
     int first = 0;
     if (!file->copy) {
@@ -126,7 +126,7 @@ static void load(report_file *file) {
         snprintf(file->note, sizeof file->note, "neither .csv nor .json");
 }
 
-/* Says what is wrong with a file; an exit code. */
+/* Reports what is wrong with a file; returns an exit code. */
 static int say_note(const report_file *file, bool must_read) {
     size_t n = strlen(file->source);
     const char *note = strncmp(file->note, file->source, n) == 0 ? file->note + n : file->note;
@@ -156,7 +156,7 @@ static int add_file(report *r, const char *path, bool must_read) {
     file->size = (long long)entry.st_size;
     file->modified = entry.st_mtime;
     load(file);
-    palp_text_make_plain(file->path); /* only shown from here on, and compared with names in results */
+    palp_text_make_plain(file->path); /* from here on the name is only shown and compared */
     return say_note(file, must_read);
 }
 
@@ -189,7 +189,7 @@ int report_add(report *r, const char *path, bool must_read) {
     return add_file(r, path, must_read);
 }
 
-/* What has no press in it is first. */
+/* Runs without a press sort first. */
 static bool goes_before(const report_file *a, const report_file *b) {
     if (a->recording.n == 0 || b->recording.n == 0)
         return a->recording.n == 0 && b->recording.n > 0;

@@ -127,7 +127,7 @@ static void set_defaults(simulate_options *o) {
 
 /* ---- the path ---- */
 
-/* The depth column of a run, times from 0. Without effects free air (negative depth) presses nothing. */
+/* The depths of a run, with times from 0. Without effects negative depth (air) becomes 0. */
 static palp_status path_like(const palp_experiment *run, bool air, palp_path *path) {
     const double *time_s = palp_experiment_column(run, "time_s");
     const double *depth_mm = palp_experiment_column(run, "depth_mm");
@@ -193,7 +193,7 @@ static int override_nodes(const simulate_options *o, simulation *s) {
     return CLI_OK;
 }
 
-/* A lumped specimen's strain is its depth over its height; of a network the run tells. */
+/* Strain of a lumped specimen: depth over height; for a network the run gives it. */
 void simulate_judge_range(simulation *s) {
     const palp_law *law = &s->model.material.law;
     bool lumped = s->model.kind == PALP_MODEL_LUMPED && !s->reduced;
@@ -225,7 +225,7 @@ static int run_lumped(const simulate_options *o, simulation *s) {
     return status ? cli_status_of(NAME, o->model, status, NULL) : CLI_OK;
 }
 
-/* Whether the specimen, moved as if it were glued to the plate, pulls at it. */
+/* Whether the plate would pull the specimen if bonded to it. */
 static bool pulls(const simulate_options *o, const simulation *s) {
     const double rounding = 1e-9;
     double most = 0, least = 0;
@@ -236,7 +236,7 @@ static bool pulls(const simulate_options *o, const simulation *s) {
     return !s->path.force_N && !o->relaxed && least < -rounding * most;
 }
 
-/* Without effects: a plate that goes back faster than the specimen follows leaves it, and meets it again. */
+/* Without effects: follows one-sided contact if the plate would pull. */
 static int run_plain(const simulate_options *o, simulation *s) {
     int code = s->model.kind == PALP_MODEL_NETWORK ? simulate_network(o, s) : run_lumped(o, s);
     if (code || !pulls(o, s))

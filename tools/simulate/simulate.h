@@ -16,7 +16,7 @@ typedef struct simulate_options {
     double sample_Hz, air_s, noise_N, hum_N, clip_N;
     size_t seed; /* SIZE_MAX = not given */
     const char *drop, *spike;
-    cli_list gaps, spikes; /* what they say: from, to; time, force */
+    cli_list gaps, spikes; /* their values: from, to; time, force */
     bool relaxed, band, json;
 } simulate_options;
 
@@ -30,21 +30,20 @@ typedef struct simulation {
     palp_reduced *reduced; /* instead of both */
     double height_m;       /* of what is pressed */
     record curve;
-    bool recorded; /* the curve has the tester's samples, and the air before them */
-    double *low_N,
-        *high_N; /* [curve.n] --band: where 95 % of the forces are that the model's own data allow */
+    bool recorded;          /* the curve has regular samples, with air before them */
+    double *low_N, *high_N; /* [curve.n] --band: 95 % band of the force, or NULL */
     palp_run_info info;
-    double beyond_s,
-        strain_max; /* first time beyond the measured strain, < 0 = never; largest strain there */
+    double beyond_s, strain_max; /* first time beyond the measured strain, < 0 = never; largest strain */
     bool buckled;
     double stable_m, unstable_m;
 } simulation;
 
-/* Each returns an exit code, after one line on stderr if it is not 0. */
+/* Functions return an exit code, after one line on stderr if it is not 0. */
 int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
 int simulate_network(const simulate_options *o, simulation *s);
-int simulate_effects(const simulate_options *o,
-                     simulation *s); /* instead: a model that has some, or a plate that leaves its specimen */
+int simulate_effects(
+    const simulate_options *o,
+    simulation *s); /* for a model with effects, or a plate that separates from its specimen */
 int simulate_reduced(const simulate_options *o, simulation *s); /* instead: a reduced model */
 bool simulate_is_reduced(const char *path);
 int simulate_band_check(const simulate_options *o, const simulation *s);
@@ -52,9 +51,9 @@ int simulate_band(const simulate_options *o, simulation *s); /* low_N, high_N of
 void simulate_judge_range(simulation *s);                    /* after the run: the warning and beyond_s */
 int simulate_report(const simulate_options *o, const simulation *s);
 
-/* The tester: even samples, free air, a sensor that is not perfect. check reads its options; resample
- * makes the samples corners of the path before the run; sense makes the recording after it. samples: the
- * times of a recording alone, from its first sample on (malloc'ed; the caller frees them). */
+/* Imperfections of a tester: regular samples, free air, sensor errors. check reads the options; resample adds
+ * the samples to the path before the run; sense makes the recording after it. samples: the times of a
+ * recording, from its first sample on (malloc'ed; the caller frees them). */
 enum { SIMULATE_HUM_HZ = 50 };
 
 int simulate_sensor_check(simulate_options *o);

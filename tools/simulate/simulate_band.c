@@ -36,9 +36,8 @@ static palp_status find(simulation *s, const double *covariance, palp_error *err
     return status;
 }
 
-/* The covariance that the band is of: of a model that is the mean of several specimens, that of one that was
- * not measured. A file that says how specimens differ, but not how well their mean is known, gives a band of
- * the first alone; *part says so. NULL: of neither. */
+/* Covariance for the band. For a mean of several specimens it is that of an unmeasured specimen. *part: the
+ * file has the spread between specimens, but not the uncertainty of their mean. NULL: neither. */
 static palp_status read_covariance(const simulate_options *o, const simulation *s, double **covariance,
                                    bool *part, palp_error *error) {
     double *between = NULL;

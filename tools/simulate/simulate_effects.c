@@ -15,7 +15,7 @@ static int check(const simulate_options *o) {
                   : CLI_OK;
 }
 
-/* Where the encoder reads: the tester's samples, those of a run to follow, or where the force needs them. */
+/* Times of the samples: regular, those of the run to follow, or adaptive. */
 static palp_status encoder(const simulate_options *o, const palp_path *path, size_t *n, double **time_s,
                            double **depth_m) {
     press_settings press = {1e-3 * o->dt_ms, o->tolerance, false, o->like != NULL};
@@ -61,7 +61,7 @@ static palp_status answer_to_tolerance(const simulate_options *o, simulation *s,
     return status;
 }
 
-/* A column of the run that is followed, at the times of this one; NULL: it has none. */
+/* A column of the run to follow, at the times of this one; NULL: none. */
 static palp_status follow_column(const palp_experiment *like, const char *name, const palp_forward_run *run,
                                  double **value) {
     const double *t = palp_experiment_column(like, "time_s"), *v = palp_experiment_column(like, name);
@@ -79,7 +79,7 @@ static palp_status follow_column(const palp_experiment *like, const char *name, 
     return PALP_OK;
 }
 
-/* Those that the model's effects read; column[i].value is to be freed. */
+/* The columns that the model's effects use; the caller frees column[i].value. */
 static palp_status follow_columns(const simulation *s, palp_forward_run *run, palp_forward_column *column) {
     palp_status status = PALP_OK;
     run->column = column;

@@ -10,7 +10,7 @@
 static const char NAME[] = "simulate";
 static const char *const protocols[] = {"static", "ramp_hold", "cyclic", "creep"};
 
-/* A key of the header; the first failure sticks. */
+/* Adds a key to the header unless an earlier one failed. */
 static void number(palp_experiment *run, const char *key, double value, palp_status *status) {
     *status = *status ? *status : palp_experiment_set_number(run, key, value);
 }
@@ -110,9 +110,8 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
     return status;
 }
 
-/* With --band also "band": that of the largest and of the last force. Of a model that says to which strain it
- * was measured also "strain_max" and "beyond": null, or from when and to which strain the run went beyond it.
- */
+/* --band adds "band", of the largest and the last force. A model with strain_max adds "strain_max" and
+ * "beyond": null, or when and how far the run exceeded it. */
 static json_t *summary(const simulate_options *o, const simulation *s) {
     const record *c = &s->curve;
     json_t *buckling = json_null();

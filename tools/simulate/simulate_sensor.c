@@ -27,7 +27,7 @@ static size_t sample_count(const simulate_options *o, const palp_path *path) {
     return (size_t)floor((o->air_s + path->time_s[path->n - 1]) * o->sample_Hz * (1 + 1e-12)) + 1;
 }
 
-/* The path's corners and the samples between them, in order; a sample beside a corner is that corner. */
+/* Merges corners of the path and samples in order; a sample next to a corner becomes that corner. */
 static size_t merge_times(const simulate_options *o, const palp_path *path, double *time_s) {
     double near = 1e-6 / o->sample_Hz;
     size_t n = 0, k = 0, count = sample_count(o, path);
@@ -81,7 +81,7 @@ palp_status simulate_samples(const simulate_options *o, const palp_path *path, s
     return *time_s ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-/* Keeps the samples of the run, at their own times, after those in the air. */
+/* Keeps only the regular samples, after those in air. */
 static palp_status pick(const simulate_options *o, const palp_path *path, record *curve) {
     record all = *curve;
     double rate_m_s = 1e-3 * simulate_air_rate(o), near = 1e-6 / o->sample_Hz;
@@ -126,7 +126,7 @@ static void drop(const cli_list *gaps, record *c) {
     }
 }
 
-/* To nanonewtons, or finer where the noise is: digits far below it only make the file longer. */
+/* Rounds to nanonewtons, or finer for small noise: digits far below the noise only lengthen the file. */
 static double round_to_noise(double x, double noise_N) {
     double per_N = fmax(1e9, pow(10, 6 - floor(log10(noise_N))));
     return rint(x * per_N) / per_N;
@@ -157,7 +157,7 @@ int simulate_sense(const simulate_options *o, simulation *s) {
 
 /* ---- options ---- */
 
-/* Pairs of numbers; a gap's second is the larger. */
+/* Reads pairs of numbers; of a gap the second must be larger. */
 static int pairs(const char *option, const char *text, bool rising, cli_list *list) {
     bool good = !text || (cli_read_list(text, list) && list->n % 2 == 0);
     for (size_t j = 0; good && rising && j + 1 < list->n; j += 2)

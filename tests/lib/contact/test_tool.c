@@ -237,8 +237,8 @@ START_TEST(one_sided) {
 }
 END_TEST
 
-/* A tool that begins inside the body, where it touches nothing of the surface, is told; so is none that is
- * beside or above it. */
+/* A tool that begins inside the body without touching the surface is an error; one beside or above it is not.
+ */
 START_TEST(begins_inside) {
     palp_material m = quartic(0);
     palp_network *net = block(5, &m, 0.0, NULL);

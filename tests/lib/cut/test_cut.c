@@ -1,4 +1,4 @@
-/* test_cut.c: what is left of a network with cuts bears what a fresh one does; tearing; misuse. */
+/* test_cut.c: a network with cuts bears the force of a new one without the cut elements; tearing; misuse. */
 #include "cut_make.h"
 
 /* ---- forces -------------------------------------------------------------------------------------- */
@@ -63,7 +63,7 @@ START_TEST(cut_elements_are_as_if_never_there) {
 }
 END_TEST
 
-/* A box of nodes cut out on all sides floats where it was; the rest is as without it. */
+/* A box of nodes cut out on all sides stays where it was, and the other nodes behave as without it. */
 START_TEST(a_loose_part_stays_where_it_was) {
     palp_material m = quartic(1);
     palp_network *net = cuttable(6, &m);

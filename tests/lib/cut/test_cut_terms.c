@@ -113,8 +113,7 @@ START_TEST(a_loose_node_has_a_weak_spring) {
 }
 END_TEST
 
-/* What is left of the residual on the nodes that a hand and a tool press on goes to them, in the shares of
- * their springs. */
+/* The residual on nodes under a hand and a tool is divided between them by the stiffness of their springs. */
 START_TEST(hands_and_tools_take_what_is_left) {
     palp_network *net = everything();
     const size_t corner = net->n_nodes - 1;

@@ -20,7 +20,8 @@ static double gain(int order, double cutoff, double f) {
         a += out[i] * in[i];
         b += out[i] * cos(2.0 * PI * f * STEP * (double)i);
     }
-    ck_assert_double_eq_tol(2.0 * b / (double)used, 0.0, 1e-6); /* no phase; what is left are the ends */
+    ck_assert_double_eq_tol(2.0 * b / (double)used, 0.0,
+                            1e-6); /* no phase; the difference comes from the ends */
     return 2.0 * a / (double)used;
 }
 

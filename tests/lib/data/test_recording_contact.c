@@ -93,8 +93,8 @@ START_TEST(contact_is_the_crossing_of_the_first_of_the_rise) {
 }
 END_TEST
 
-/* Contact is looked for up to half the largest force: a force that falls back to zero at 0.4 of it had not
- * met the specimen yet, at 0.6 of it the specimen lets go for a while. */
+/* Contact is searched up to half of the largest force. A force that returns to zero at 0.4 of it had no
+ * contact; at 0.6 the plate separates for a while. */
 START_TEST(contact_comes_before_half_the_force) {
     for (int later = 0; later < 2; later++) {
         const palp_recording_settings settings = palp_recording_settings_default();
@@ -251,8 +251,8 @@ START_TEST(clipping_is_a_flat_top_while_the_plate_moves) {
 }
 END_TEST
 
-/* Of a converter with ten steps on the way the force stays on its largest for a third of the way at least, by
- * which it should have risen by three of them. */
+/* With a converter of ten steps over the rise, the force stays at its largest value for a third of the
+ * travel, in which it should rise by three steps. */
 START_TEST(a_coarse_converter_is_not_clipping) {
     for (size_t flat = 290; flat <= 320; flat += 30) {
         made *m = make(1001);
@@ -267,7 +267,7 @@ START_TEST(a_coarse_converter_is_not_clipping) {
 }
 END_TEST
 
-/* ---- what is left in the force of the still end ---- */
+/* ---- residual force in the dwell at the end ---- */
 
 static palp_recording tail(double (*noise)(size_t i)) {
     made *m = make(MOST);

@@ -1,5 +1,5 @@
-/* test_effect_need.c: what recordings must hold for each effect: the number is told where it is too little,
- * and just enough will do. */
+/* test_effect_need.c: conditions on recordings for each effect: the message has the missing quantity, and
+ * just enough is accepted. */
 #include "effect/effect_internal.h"
 
 #include <check.h>

@@ -88,7 +88,7 @@ START_TEST(voigt_meets_its_equation) {
     double t = times[_i], impulse;
     problem p = {.model = {.spring_Pa = one.modulus_Pa}, .voigt_Pa_s = one.viscosity_Pa_s, .stress = 3.0};
     CLOSE(palp_voigt_creep(one, 3.0, t), integrate(p, t), rk4_error);
-    /* the rest is Eq. 3.26 with the strain and its rate put in */
+    /* after that Eq. 3.26 with strain and rate inserted */
     CLOSE(palp_voigt_ramp(one, 0.1, t), 17.873062 * 0.1 + 1.2962987 * 0.1 * t, 1e-14);
     double held = t <= 1.3 ? palp_voigt_ramp(one, 0.1, t) : 1.2962987 * 0.13;
     CLOSE(palp_voigt_ramp_hold(one, 0.1, 1.3, t), held, 1e-14);

@@ -8,7 +8,7 @@ static const double RADIUS = 12e-3, MODULUS = 18e3, AREA = 4.5e-4; /* m, Pa, m^2
 static const char *const MESHES[] = {"data/meshes/ball_4.msh", "data/meshes/ball_3.msh",
                                      "data/meshes/ball_2.6.msh"};
 
-/* The node nearest to the centre is held; friction does the rest. */
+/* The node nearest to the centre is fixed; friction holds the others. */
 static palp_network *ball(const char *path) {
     palp_mesh *mesh = NULL;
     palp_network *net = NULL;

@@ -135,7 +135,7 @@ START_TEST(lattice_of_tetrahedra_presses_as_the_lattice) {
 }
 END_TEST
 
-/* ---- what is refused, and the rest --------------------------------------------------------------- */
+/* ---- refused meshes and other cases ---- */
 
 START_TEST(scaling_refuses) {
     palp_error error = {PALP_OK, ""};

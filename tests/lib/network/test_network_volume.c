@@ -31,8 +31,8 @@ static double energy_at(palp_network *net, const double *x, const double *along,
     return energy;
 }
 
-/* Forces are the slope of the energy, and the tangent that of the forces, assembled or times a vector, with
- * sound tetrahedra and where they are flat. */
+/* Forces are the gradient of the energy and the tangent is theirs, assembled or times a vector, also with
+ * flat tetrahedra. */
 START_TEST(derivatives) {
     const palp_material m = quartic(0);
     const double sizes[] = {0.3, 1.0, 8.0}, h = 1e-8;
@@ -158,9 +158,9 @@ static double to_and_fro(int i) {
     return 0.003 + 0.002 * sin(0.025 * i);
 }
 
-/* The preconditioner has the tetrahedra: a single correction after each step of a plate that goes to and fro
- * leaves ten times less than without them (1.4e-4 of the peak with 7 nodes a side, of one level, 1.9e-4 with
- * 11), and a state restored goes on with the same bits. */
+/* The preconditioner includes the tetrahedra. One correction after each step of an oscillating plate leaves a
+ * tenth of the error without them (1.4e-4 of the peak with 7 nodes a side and one level, 1.9e-4 with 11). A
+ * restored state continues with the same bits. */
 START_TEST(preconditioned) {
     const palp_budget all = {.force_error = 1e-9}, one = {.corrections = 1};
     palp_realtime_settings settings = palp_realtime_settings_default();

@@ -111,11 +111,10 @@ static inline int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Random ways from one seed to another, at most ROUGH_WAYS: the estimate holds in every tick, to 2e-4 of the
- * peak. median[n]: of the ways' errors, each a root mean square, with each number of corrections: a mean over
- * ways would be that of the one or two of them that stick where the converged answer slips for some ticks,
- * many times as far off as the others. Returns how often a way's error is larger by a tenth than with the
- * number of corrections before. */
+/* Random paths from one seed to another, at most ROUGH_WAYS. The estimate exceeds the error in every tick, to
+ * 2e-4 of the peak. median[n]: median over paths of the rms error for each number of corrections; in a mean
+ * the few paths that stick where the exact answer slips would dominate. Returns how often an error is a tenth
+ * larger than with one correction fewer. */
 static inline size_t rough_ways(uint64_t from, uint64_t to, const size_t *corrections, size_t n,
                                 double *median) {
     static double truth[ROUGH_TICKS][3], error[ROUGH_BUDGETS][ROUGH_WAYS];

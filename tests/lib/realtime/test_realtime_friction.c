@@ -74,8 +74,8 @@ START_TEST(random_ways) {
 }
 END_TEST
 
-/* A sphere whose points all come to touch in a few ticks and then stick: what they were off by as they first
- * touched stays, and is told. */
+/* All points of a sphere come into contact within a few ticks and stick. Their error of the first contact
+ * remains, and is in the estimate. */
 START_TEST(what_sticks_at_first_touch_stays) {
     const size_t corrections = 3;
     double median;

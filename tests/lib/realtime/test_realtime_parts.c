@@ -64,8 +64,8 @@ START_TEST(one_correction_with_the_factor_of_the_tangent) {
 }
 END_TEST
 
-/* After any number of corrections the residual is at right angles to all that was moved, and is what the move
- * leaves, to the single precision of their products. */
+/* After any number of corrections the residual is orthogonal to all moves, and equals what the last move
+ * leaves, in single precision. */
 START_TEST(corrections_are_conjugate) {
     for (size_t limit = 1; limit <= 5; limit++) {
         palp_realtime *rt = pressed(LEVELS);
@@ -367,8 +367,8 @@ static palp_network *corner_network(size_t *around) {
     return net;
 }
 
-/* Tetrahedra inside out: within so many ticks as there are parts a tick says what a step says, forth and
- * back, and what goes on from a saved state says the same at every tick. */
+/* Inverted tetrahedra: after as many ticks as there are parts, ticks report the same count as steps. A
+ * restored state reports it at every tick. */
 START_TEST(inverted_tetrahedra_are_counted) {
     size_t around = 0, middle = 0;
     palp_realtime *rt = realtime_on(corner_network(&around), false),

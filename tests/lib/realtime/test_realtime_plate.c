@@ -108,8 +108,8 @@ static double way_beyond(const way *w, size_t n, const double *force, double pea
     return beyond;
 }
 
-/* ALLOWED, of the peak: where a scaled mesh is about to fold its adjoint changes faster than ticks look at
- * it, and the estimate of a tick that makes no correction can be short by so much. */
+/* ALLOWED, of the peak: near folding of a scaled mesh the adjoint changes faster than ticks update it. The
+ * estimate of a tick without a correction can then be too small by this. */
 static void check_ways(uint64_t from, uint64_t to, bool volume) {
     static const double ALLOWED = 2e-4;
     static const palp_budget budgets[] = {{.force_error = 1e-2}, {.force_error = 1e-3}, {.force_error = 1e-4},

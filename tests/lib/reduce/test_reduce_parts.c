@@ -180,7 +180,7 @@ START_TEST(shapes_are_orthonormal_to_rounding) {
 }
 END_TEST
 
-/* The plate's motion is the lift's: what is left for the shapes is beside it. */
+/* The lift represents the plate's motion, so the modes have only the remainder. */
 START_TEST(shapes_are_beside_the_lift) {
     palp_material m;
     palp_network *net = at_rest(&m);

@@ -72,8 +72,8 @@ static palp_specimen_motion motion_at(const samples *p, size_t i) {
     return m;
 }
 
-/* Steps along the samples; the sensor's readings come out as close to s.force_N as is told. rated: where the
- * rate of the step is not that of the sample, at corners, they are not compared. */
+/* Steps along the samples; the sensor readings equal s.force_N within the tolerance. rated: they are not
+ * compared at corners, where the rates of step and sample differ. */
 static void follows(const palp_model *m, bool rated, double tolerance) {
     palp_specimen_settings settings = palp_specimen_settings_default();
     settings.start_m = s.depth_m[0];
@@ -154,8 +154,8 @@ START_TEST(effects_together_in_small_steps) {
 }
 END_TEST
 
-/* A plate that goes to and fro about the surface meets it anywhere in a step, and then presses no harder than
- * the step is long. */
+/* An oscillating plate meets the surface within a step, and then presses no deeper than it moves in that
+ * step. */
 START_TEST(meets_anywhere_in_a_step) {
     const double dt = 5e-5, fast = 5e-7, pace = 3e-9; /* m a step */
     palp_model m = lumped_model(2);

@@ -197,8 +197,8 @@ START_TEST(nothing_has_influence) {
 }
 END_TEST
 
-/* However few, the evaluations asked for are not exceeded, the answer is never worse than the guess, and a
- * fit that ran out of them does not call itself converged. */
+/* The limit of evaluations is kept, the result is never worse than the guess, and a fit that ran out of
+ * evaluations is not reported as converged. */
 START_TEST(evaluation_limit) {
     for (size_t limit = 1; limit <= 12; limit++) {
         counted c = {0};

@@ -57,8 +57,8 @@ static void find_pattern(matrix *m) {
     m->column[m->n] = nz;
 }
 
-/* L D L' with a random unit lower L of the given band, filled to a share, and D of the signs that
- * negative pivots ask for: by Sylvester's law its inertia is D's in any order of elimination. */
+/* L D L' with a random unit lower L of the given band and density, and D with the required number of negative
+ * pivots. By Sylvester's law its inertia is that of D in any order of elimination. */
 static matrix with_inertia(size_t n, size_t width, double share, size_t negative) {
     matrix m = matrix_make(n, width);
     double *lower = calloc(n * n + 1, sizeof *lower), *d = malloc((n + 1) * sizeof *d);
