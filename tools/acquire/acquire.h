@@ -27,15 +27,15 @@ typedef enum acquire_kind {
     ACQUIRE_KINDS
 } acquire_kind;
 
-/* The figures of a motion; NAN = not given. */
+/* Parameters of a motion; NAN = not given. */
 typedef struct acquire_motion {
     double depth_mm, rate_mm_s, ramp_s, hold_s, cycles;
     double amplitude_mm, frequency_Hz, frequency_end_Hz, duration_s; /* waves about the depth */
-    double deepest_mm; /* of a force; the specimen's height, if known, where it is not given */
+    double deepest_mm; /* largest depth of a force segment; by default the specimen's height, if known */
     double acceleration_mm_s2, air_mm, air_s, after_s, rest_s;
 } acquire_motion;
 
-/* X(name, kinds that have it, whether it may be 0, largest). The name is that in files. */
+/* X(name, kinds that have it, whether it may be 0, largest value). Files use this name. */
 #define ACQUIRE_PRESSES (1 << ACQUIRE_STATIC | 1 << ACQUIRE_RAMP_HOLD | 1 << ACQUIRE_CYCLIC)
 #define ACQUIRE_WAVES (1 << ACQUIRE_SINE | 1 << ACQUIRE_SWEEP)
 #define ACQUIRE_ALL ((1 << ACQUIRE_KINDS) - 1)
@@ -59,12 +59,12 @@ typedef struct acquire_motion {
 /* One experiment. Depths count from contact. */
 typedef struct acquire_run {
     acquire_kind kind;
-    acquire_motion motion;   /* as it will be done; NAN for figures that the kind does not have */
-    char name[ACQUIRE_NAME]; /* of the file, without .csv */
-    bool repeat;             /* of the first */
-    bool smooth;             /* ramps without a jump of the acceleration */
-    double start_mm, highest_mm, deepest_mm; /* where the plate waits, and comes to */
-    double at_mm, press_s;                   /* where the segments end, and how long they take */
+    acquire_motion motion;                   /* complete; NAN for parameters that the kind does not have */
+    char name[ACQUIRE_NAME];                 /* of the file, without .csv */
+    bool repeat;                             /* of the first */
+    bool smooth;                             /* ramps with continuous acceleration */
+    double start_mm, highest_mm, deepest_mm; /* where the plate waits; highest place of the run */
+    double at_mm, press_s;                   /* end of the segments; their duration */
     size_t n_segments;
     palp_wire_segment segment[PALP_WIRE_SEGMENTS];
 } acquire_run;
@@ -72,20 +72,19 @@ typedef struct acquire_run {
 typedef struct acquire_plan {
     size_t n;
     acquire_run run[ACQUIRE_RUNS];
-    int random, repeat_first; /* of the presses; -1 = not said */
-    bool smooth;              /* of the runs that are added from now on */
-    double seed;              /* of the order; NAN = not said */
+    int random, repeat_first; /* of the presses; -1 = not given */
+    bool smooth;              /* of the runs added from now on */
+    double seed;              /* of the order; NAN = not given */
 } acquire_plan;
 
 acquire_motion acquire_motion_none(void);
 
-/* Fills figures that are not given from the next source; rate or ramp time only where neither is given. */
+/* Fills missing parameters from the next source; rate or ramp time only if both are missing. */
 void acquire_motion_inherit(acquire_kind kind, acquire_motion *motion, const acquire_motion *from);
 const char *acquire_kind_name(acquire_kind kind); /* "ramp_hold" */
 
-/* Appends a run with its segments, and fills in what is not given. The caller adds the segments of
- * ACQUIRE_SEGMENTS. name: of the file; NULL: made of kind and depth. Returns NULL where nothing is added; why
- * has the reason. */
+/* Appends a run with its segments and fills in defaults. The caller adds the segments of ACQUIRE_SEGMENTS.
+ * name: of the file; NULL: from kind and depth. Returns NULL on failure; why has the reason. */
 acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acquire_motion *motion,
                               const char *name, char why[ACQUIRE_TEXT]);
 
@@ -93,23 +92,24 @@ acquire_run *acquire_plan_add(acquire_plan *plan, acquire_kind kind, const acqui
  */
 bool acquire_plan_seed(acquire_plan *plan, const acquire_motion *defaults, char why[ACQUIRE_TEXT]);
 
-/* Reads a protocol file; options come before what it says for all its runs. An exit code. (acquire_read.c) */
+/* Reads a protocol file; options come before its values for all runs. Returns an exit code. (acquire_read.c)
+ */
 int acquire_plan_read(acquire_plan *plan, const char *file, const acquire_motion *options);
 
-/* Shuffles the presses by the plan's seed, while runs in the air keep their place. Repeats the first press
- * after the last, makes the names different and fills in the rests. False: no room for the repeated press. */
+/* Shuffles the presses by the plan's seed; runs in air keep their place. Repeats the first press at the end,
+ * makes names unique and fills in the rests. False: no room for the repeated press. */
 bool acquire_plan_arrange(acquire_plan *plan);
 
-/* Appends a segment from where the last one ended (acquire_segments.c); false: there is no room. target:
- * depth, the amplitude of waves, the force (N) of FORCE; what else the kind of segment needs is in motion. */
+/* Appends a segment from the end of the last one (acquire_segments.c); false: there is no room. target:
+ * depth, amplitude of waves, or force (N); motion has the other parameters. */
 bool acquire_segment_add(acquire_run *run, uint8_t kind, double target_mm, const acquire_motion *motion);
 
-/* Start and segments from kind and motion; of ACQUIRE_SEGMENTS only the start. */
+/* Makes start and segments from kind and motion; of ACQUIRE_SEGMENTS only the start. */
 void acquire_segments_make(acquire_run *run);
-double acquire_run_length_s(const acquire_run *run); /* of the recording, the way back included */
+double acquire_run_length_s(const acquire_run *run); /* of the recording, with the withdrawal */
 
-/* The plan before anything moves (acquire_path.c): the runs as lines of a table, or as JSON with the path of
- * each. A path is points of time and depth, and of time and force where a force is asked for. */
+/* The plan in advance (acquire_path.c): the runs as lines of a table, or as JSON with their paths. A path has
+ * points of time and depth, and of time and force for force segments. */
 void acquire_plan_print(const acquire_plan *plan, FILE *to);
 json_t *acquire_plan_json(const acquire_plan *plan);
 
@@ -134,7 +134,7 @@ int acquire_calibration_read(const char *file, int32_t row[PALP_WIRE_CHANNELS][P
 
 /* Columns beside time, depth and force, a bit each. RAW: error, position and ADC counts, duty, flags. */
 enum { ACQUIRE_RAW = 1, ACQUIRE_FORCES = 2, ACQUIRE_TEMPERATURE = 4, ACQUIRE_TRIGGER = 8 };
-/* "forces,temperature" as bits; 0 where a word of it is none of these. */
+/* "forces,temperature" as bits; 0 = an unknown word. */
 unsigned acquire_columns(const char *words);
 
 /* From counts to seconds, millimetres and newtons. */
@@ -142,7 +142,7 @@ typedef struct acquire_scale {
     double tick_s, count_mm;
     int32_t contact; /* counts at depth 0 */
     double row_N[PALP_WIRE_CHANNELS], tare[PALP_WIRE_CHANNELS];
-    double contact_N; /* force over that in the air that counts as contact */
+    double contact_N; /* force above that in air that counts as contact */
     double matrix[PALP_WIRE_CHANNELS]
                  [PALP_WIRE_CHANNELS]; /* of all axes, where ACQUIRE_FORCES asks for them */
 } acquire_scale;
@@ -155,12 +155,11 @@ double acquire_force_N(const acquire_scale *scale, const int16_t adc[PALP_WIRE_C
 
 /* Figures of a recording. */
 typedef struct acquire_figures {
-    size_t samples, lost, bad; /* bad: the sensor gave no reading; left out like lost samples */
+    size_t samples, lost, bad; /* bad: without a reading of the sensor; treated as lost samples */
     double peak_N, deepest_mm, duration_s;
-    double error_square, error_most_mm; /* reference minus position, on the way */
+    double error_square, error_most_mm; /* reference minus position, in motion */
     size_t errors;
-    double contact_mm; /* where the force rose; NAN = it did not */
-    /* of the search for it */
+    double contact_mm; /* depth at which the force rose; NAN = it did not */
     double air_sum_N, mean_N, mean_mm;
     size_t air;
 } acquire_figures;
@@ -178,29 +177,29 @@ typedef struct acquire_file {
     bool waits,
         over; /* samples came before those of the recording, the last at before_tick; and after them */
     uint32_t before_tick;
-    bool in_session; /* there was a recording before, and its first sample at session_tick */
+    bool in_session; /* an earlier recording exists; its first sample was at session_tick */
     uint32_t session_tick;
     double start_s;      /* of this recording since then */
     acquire_sample last; /* the newest sample */
     off_t at;            /* bytes written */
-    int error;           /* errno of a failed write, after which nothing more is written */
+    int error;           /* errno of a failed write; nothing more is written after it */
     double written_s;    /* wall clock */
     size_t n;
     char text[ACQUIRE_BUFFER];
 } acquire_file;
 
-/* Creates the file with its header (keys and values of an object), marked as interrupted until it is closed.
- * *file is zero before the first recording of a session. now_tick: on the device. An exit code: a file of
- * that name stays unless force. */
+/* Creates the file with its header (an object), marked as interrupted until it is closed. *file is zero
+ * before the first recording of a session. now_tick: of the device. Returns an exit code; an existing file is
+ * kept unless force. */
 int acquire_file_open(acquire_file *file, const char *path, bool force, unsigned columns,
                       const acquire_scale *scale, uint32_t now_tick, json_t *header);
-/* Takes the samples that are part of the recording; returns how many. */
+/* Adds the samples that belong to the recording; returns their number. */
 size_t acquire_file_add(acquire_file *file, const palp_wire_samples *block);
-void acquire_file_keep(acquire_file *file); /* writes rows that have waited for half a second */
+void acquire_file_keep(acquire_file *file); /* writes rows older than half a second */
 /* fault: why the run ended early, or NULL; winding_C: NAN = not known. Returns an exit code. */
 int acquire_file_close(acquire_file *file, const char *fault, double winding_C);
-void acquire_file_remove(acquire_file *file); /* instead of close: nothing came */
-/* True where more than one sample in a hundred is missing: such a recording does not show what happened. */
+void acquire_file_remove(acquire_file *file); /* instead of close, if no samples arrived */
+/* Whether more than one sample in a hundred is missing: too many for a useful recording. */
 bool acquire_file_lossy(const acquire_figures *figures);
 
 /* ---- what is shown meanwhile (acquire_live.c) ---- */
@@ -229,15 +228,15 @@ void acquire_live_draw(const acquire_live *live, int rows, int columns, FILE *to
 /* ---- the session (acquire_run.c) ---- */
 
 typedef struct acquire_options {
-    const char *command;            /* whose session it is, for messages */
-    const char *port, *where, *out; /* as given; what link_open takes */
+    const char *command;            /* name of the command, for messages */
+    const char *port, *where, *out; /* as given; argument of link_open */
     int baud;
     const char *specimen, *specimen_kind;                         /* name and kind, or NULL */
     double height_mm, radius_mm;                                  /* 0 = not given */
     const char *protocol;                                         /* its file's name, or NULL */
     double contact_N, limit_N, limit_mm, limit_C, host_timeout_s; /* limits: 0 = the device's own */
-    double reconnect_s; /* a link that broke is waited for so long */
-    int gains;          /* class, or PALP_WIRE_GAINS_AUTO */
+    double reconnect_s;                                           /* time to wait for a broken link */
+    int gains;                                                    /* class, or PALP_WIRE_GAINS_AUTO */
     bool keep_contact, force, live;
     unsigned columns; /* ACQUIRE_RAW and its like */
     int trigger_in;   /* PALP_WIRE_TRIGGER_* */
@@ -247,11 +246,11 @@ typedef struct acquire_options {
     int32_t row[PALP_WIRE_CHANNELS][PALP_WIRE_CHANNELS];
 } acquire_options;
 
-/* Runs the plan; an exit code, after one line on stderr if it is not 0. *summary (may be NULL): what was
- * done, the caller's. */
+/* Runs the plan; returns an exit code, after one line on stderr if it is not 0. *summary (may be NULL): the
+ * results, owned by the caller. */
 int acquire_session(const acquire_options *options, const acquire_plan *plan, json_t **summary);
 
-/* Shows the device's readings ten times a second of its clock, until Ctrl-C: one changing line on a terminal,
+/* Shows the device's readings ten times a second of its clock, until Ctrl-C: one line on a terminal,
  * otherwise rows of CSV on stdout. Moves nothing (acquire_monitor.c). Returns an exit code. */
 int acquire_monitor(const acquire_options *options);
 

@@ -9,19 +9,19 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The second lines of the file hold the run's end and its start in the session. They have a fixed width and
- * are overwritten once both are known. A host that dies so leaves "interrupted" there, and the expected
- * start. No row crosses the end of a page, where an incomplete write may stop; blanks before the line's end
- * fill the page. */
+/* The first lines of the file hold the end of the run and its start in the session. They have a fixed width
+ * and are overwritten when both are known. If the host dies, "interrupted" and the expected start remain. No
+ * row crosses the end of a page, where an incomplete write may stop; blanks at the end of lines fill the
+ * page. */
 enum { PAGE = 4096, ROW_MAX = 256, END_WIDTH = 48 };
 
 static const char NAME[] = "acquire";
 static const char VERSION[] = "# palpate.experiment: 1\n";
-static const double KEEP_S = 0.5; /* rows are written after at most this time */
+static const double KEEP_S = 0.5; /* longest delay of a row before it is written */
 
 /* ---- writing ---- */
 
-/* Bytes of whole lines among those that were written. */
+/* Number of bytes in complete lines. */
 static size_t whole_lines(const char *text, size_t n) {
     while (n > 0 && text[n - 1] != '\n')
         n--;
@@ -35,7 +35,7 @@ static size_t count_lines(const char *text, size_t n) {
     return lines;
 }
 
-/* Writes everything that waits. On failure the file is cut back to whole lines and closed to more. */
+/* Writes all pending rows. On failure the file is cut to complete lines and closed. */
 static void flush(acquire_file *f) {
     size_t done = 0;
     while (done < f->n && !f->error) {
@@ -46,10 +46,9 @@ static void flush(acquire_file *f) {
             f->error = errno;
             done = whole_lines(f->text, done);
             if (ftruncate(f->fd, f->at + (off_t)done) != 0)
-                done = 0; /* nothing more can be done for it */
+                done = 0;
             size_t rows = count_lines(f->text + done, f->n - done);
-            f->figures.samples -=
-                rows < f->figures.samples ? rows : f->figures.samples; /* the rows are not in the file */
+            f->figures.samples -= rows < f->figures.samples ? rows : f->figures.samples;
         }
     }
     f->at += (off_t)done;
@@ -66,7 +65,7 @@ static void put(acquire_file *f, const char *text, size_t n) {
     }
 }
 
-/* Ends a row; where the page has no room for another, it takes the rest of the page. */
+/* Ends a row. If the page has no room for another one, blanks fill it. */
 static void put_row(acquire_file *f, char row[ROW_MAX + PAGE], int length) {
     size_t n = (size_t)length, left = PAGE - ((size_t)f->at + f->n + n + 1) % PAGE;
     size_t blanks = left < ROW_MAX ? left : 0;
@@ -215,8 +214,8 @@ static acquire_sample make_sample(const acquire_file *f, const palp_wire_samples
     return x;
 }
 
-/* Contact in this recording: where the running mean of the force rises above that in the air. The depth is
- * averaged alike, so that both lag alike. */
+/* Contact of this recording: where the running mean of the force rises above that in air. The depth has the
+ * same mean, so that both have the same delay. */
 static void seek_contact(acquire_file *f, const acquire_sample *x, bool moving) {
     const double share = 1.0 / 16;
     acquire_figures *g = &f->figures;
@@ -271,7 +270,7 @@ static void put_sample(acquire_file *f, const acquire_sample *x, const palp_wire
     put_row(f, row, n < ROW_MAX ? n : ROW_MAX - 1);
 }
 
-/* The clock of the session starts at the first sample of its first recording. */
+/* Session time is relative to the first sample of the first recording. */
 static void start_clock(acquire_file *f, uint32_t tick) {
     f->session_tick = f->in_session ? f->session_tick : tick;
     f->in_session = f->started = true;
@@ -279,7 +278,7 @@ static void start_clock(acquire_file *f, uint32_t tick) {
     f->start_s = f->scale.tick_s * (tick - f->session_tick);
 }
 
-/* A sample outside the recording: samples missing next to it may belong to the recording. */
+/* Counts a sample outside the recording: samples missing next to it may belong to the recording. */
 static void take_other(acquire_file *f, uint32_t tick, uint32_t step) {
     if (!f->started) {
         f->waits = true;
@@ -290,7 +289,7 @@ static void take_other(acquire_file *f, uint32_t tick, uint32_t step) {
     }
 }
 
-/* Takes sample i of a block; false: it does not belong to the recording. */
+/* Adds sample i of a block; false: it is outside the recording. */
 static bool take(acquire_file *f, const palp_wire_samples *b, size_t i) {
     const uint32_t tick = b->tick + (uint32_t)i, step = tick - (f->started ? f->last_tick : f->before_tick);
     if (!(b->flags[i] & PALP_WIRE_FLAG_RECORD)) {

@@ -36,7 +36,7 @@ void acquire_json_close(acquire_json *j) {
     *j = (acquire_json){NULL, NULL, NULL};
 }
 
-/* ---- where a value stands; the text has been parsed, so that it is whole ---- */
+/* ---- line of a value, in text that was parsed without error ---- */
 
 static const char *skip(const char *p, const char *what) {
     return p + strspn(p, what);
@@ -49,7 +49,7 @@ static const char *value_end(const char *p) {
     return value ? p + where.position : p + strlen(p);
 }
 
-/* The key or the item within the value at p; p itself where there is none. */
+/* Finds the key or item within the value at p; p itself if there is none. */
 static const char *member(const char *p, const char *key, size_t length) {
     if (*p != '{')
         return p;
@@ -71,7 +71,7 @@ static const char *item(const char *p, unsigned long index) {
     return at;
 }
 
-/* where is a path such as runs[2].depth_mm; a key of the file's own may hold any character. */
+/* where: a path such as runs[2].depth_mm; keys may contain any character. */
 static int line_of(const char *text, const char *where) {
     const char *p = skip(text, " \t\r\n"), *at = p;
     for (char *rest; *where; where += *where == '.') {

@@ -24,7 +24,7 @@ void acquire_live_begin(acquire_live *l, bool by_depth) {
     l->stride = 1;
 }
 
-/* Every stride-th sample; once they are too many, every second of them. */
+/* Keeps every stride-th sample; halves them when they are too many. */
 void acquire_live_add(acquire_live *l, const acquire_sample *x) {
     if (++l->skipped < l->stride)
         return;
@@ -82,7 +82,7 @@ void acquire_live_draw(const acquire_live *l, int rows, int columns, FILE *to) {
 
 /* ---- on the terminal ---- */
 
-/* Back to where the last drawing began. */
+/* Moves the cursor to the start of the last drawing. */
 static void rewind_screen(acquire_live *l) {
     if (l->rows > 0)
         fprintf(stderr, "\033[%dA", l->rows);

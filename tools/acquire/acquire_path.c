@@ -3,12 +3,7 @@
 
 #include <math.h>
 
-enum {
-    CYCLES = 200,
-    PERIODS = 40,
-    WAVE = 24,
-    WAVE_MOST = 2000
-}; /* of a path: most that are drawn one by one */
+enum { CYCLES = 200, PERIODS = 40, WAVE = 24, WAVE_MOST = 2000 }; /* most periods that are drawn exactly */
 
 void acquire_plan_print(const acquire_plan *plan, FILE *to) {
     fprintf(to, "%-28s %-10s %10s %10s %10s\n", "run", "kind", "deepest_mm", "length_s", "rest_s");
@@ -37,7 +32,8 @@ static void go(path *p, double seconds, double depth_mm) {
 static void add_cycles(path *p, const palp_wire_segment *s, double target_mm, double rate_mm_s) {
     const double from_mm = p->depth_mm, way_s = fabs(target_mm - from_mm) / rate_mm_s;
     const unsigned shown = s->cycles < CYCLES ? s->cycles : CYCLES;
-    const double each_s = way_s * s->cycles / shown; /* too many periods to be seen apart are drawn wider */
+    const double each_s =
+        way_s * s->cycles / shown; /* more periods would not be visible, so they are drawn wider */
     for (unsigned i = 0; i < shown; i++) {
         go(p, each_s, target_mm);
         go(p, each_s, from_mm);
@@ -64,7 +60,7 @@ static void add_waves(path *p, const palp_wire_segment *s, double amplitude_mm) 
     p->time_s = from_s + length_s;
 }
 
-/* The depth that a force will need is not known beforehand: it is drawn unchanged. */
+/* The depth under force control is not known in advance: it is drawn constant. */
 static void add_force(path *p, const palp_wire_segment *s, double force_N) {
     const double rate_N_s = 1e-6 * s->rate_nm_s;
     if (json_array_size(p->force) == 0)

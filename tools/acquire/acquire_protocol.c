@@ -53,7 +53,7 @@ static acquire_motion built_in(acquire_kind kind, double depth_mm) {
     return m;
 }
 
-/* Fills in the motion; figures that the kind does not have are removed. */
+/* Fills in the motion and removes parameters that the kind does not have. */
 static void complete(acquire_run *r) {
     acquire_motion *m = &r->motion, rest = built_in(r->kind, m->depth_mm);
     acquire_motion_inherit(r->kind, m, &rest);
@@ -103,7 +103,7 @@ static bool add_seed(acquire_plan *plan, acquire_kind kind, double depth_mm, con
     return acquire_plan_add(plan, kind, &m, NULL, why) != NULL;
 }
 
-/* A ramp in the air, as fast as the middle one of the ramps, shows inertia and drift. */
+/* A ramp in air at the speed of the middle ramp shows inertia and drift. */
 static bool add_air(acquire_plan *plan, const char *name, const acquire_motion *defaults,
                     char why[ACQUIRE_TEXT]) {
     acquire_motion m = acquire_motion_none();
@@ -155,7 +155,7 @@ static bool taken(const acquire_plan *plan, size_t i) {
     return j < i;
 }
 
-/* A name that is there already gets a number. */
+/* Numbers a name that exists already. */
 static void number_names(acquire_plan *plan) {
     for (size_t i = 0; i < plan->n; i++) {
         char *name = plan->run[i].name;
@@ -165,8 +165,8 @@ static void number_names(acquire_plan *plan) {
     }
 }
 
-/* A specimen recovers a little more slowly than it relaxes, after short and long presses alike. So it rests
- * as long as the last press took, and at least as long as the phantom of the thesis needs (to 0.5 %). */
+/* A specimen recovers a little more slowly than it relaxes. So it rests as long as the last press took, and
+ * at least until the phantom of the thesis has recovered to 0.5 %. */
 static void fill_rests(acquire_plan *plan) {
     const double least_s = 200;
     double needed_s = 0;

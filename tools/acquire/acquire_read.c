@@ -11,7 +11,7 @@ static bool fits(const char *name, double x, bool zero, double most) {
     return whole && (zero ? x >= 0 : x > 0) && x <= most;
 }
 
-/* One key of an object as a figure of its motion; *known = whether it is one. An exit code. */
+/* Reads one key of an object into the motion; *known = whether it is a parameter. Returns an exit code. */
 static int take_figure(const acquire_json *j, const char *where, const char *key, const json_t *value,
                        acquire_motion *m, bool *known) {
     *known = true;
@@ -44,7 +44,7 @@ static bool kind_has(acquire_kind kind, const char *key) {
 
 /* ---- a list of segments ---- */
 
-/* What a segment is called by, and what it needs beside that. */
+/* Key of each segment and its required parameters. */
 static const struct {
     const char *key;
     uint8_t kind;
@@ -140,7 +140,7 @@ static int read_kind(const acquire_json *j, const char *where, const json_t *obj
                              "needs \"kind\": static, ramp_hold, cyclic, sine, sweep, segments or free");
 }
 
-/* A part of a file's name. */
+/* Whether a text is valid in a file's name. */
 static bool is_name(const char *text) {
     static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
     return text && *text && *text != '.' && strlen(text) < ACQUIRE_NAME - 16 && !text[strspn(text, allowed)];

@@ -12,7 +12,7 @@ static outcome set_limits(session *s) {
     const acquire_options *o = s->options;
     palp_wire_message m = {.type = PALP_WIRE_TYPE_LIMITS};
     palp_wire_limits *limits = &m.as.limits;
-    /* a simulated device may run many times faster than the clock by which we tell it that we are there */
+    /* a simulated clock may run many times faster than ours */
     double host_s = o->host_timeout_s > 0 ? o->host_timeout_s : s->device.info.simulated ? 60 : 0;
     limits->force_uN = (int32_t)lrint(1e6 * o->limit_N);
     limits->travel_nm = (int32_t)lrint(1e6 * o->limit_mm);
@@ -35,7 +35,7 @@ static outcome set_calibration(session *s) {
     return end;
 }
 
-/* Off is how a device begins; one that knows no triggers is asked for none. */
+/* Triggers are off at the start, so a device without triggers gets no command. */
 static outcome set_trigger(session *s) {
     const acquire_options *o = s->options;
     palp_wire_message m = {
@@ -44,9 +44,9 @@ static outcome set_trigger(session *s) {
     return o->trigger_in || o->trigger_out ? session_order(s, &m, "take the triggers") : GOES_ON;
 }
 
-/* What it is set to, as each recording says. */
+/* Reads the parameters, which the header of each recording names. */
 static outcome read_calibration(session *s) {
-    enum { CALIBRATED = 13 }; /* of the parameters, up to moving_kg; the device tells of them first */
+    enum { CALIBRATED = 13 }; /* of the parameters up to moving_kg, which come first */
     outcome end =
         session_from_device(s, device_parameters_read(&s->device, CALIBRATED, &s->calibration), "answer");
     if (end == GOES_ON && s->calibration.now.source == 2)
@@ -87,7 +87,7 @@ static outcome read_axis(session *s, uint8_t axis, double row_N[PALP_WIRE_CHANNE
     return end;
 }
 
-/* By which counts become newtons. */
+/* Reads the factors from counts to newtons. */
 outcome session_read_scale(session *s) {
     outcome end = read_axis(s, DEVICE_AXIS_Z, s->scale.row_N);
     const bool all = (s->options->columns & ACQUIRE_FORCES) != 0;
@@ -96,7 +96,7 @@ outcome session_read_scale(session *s) {
     return end;
 }
 
-/* In the air; then the conversion of counts is known but for contact. */
+/* Tares in air; then only contact is missing in the conversion of counts. */
 outcome session_tare(session *s) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_TARE, .as.tare = {.samples = TARE_TICKS}};
     snprintf(s->doing, sizeof s->doing, "taring");
@@ -160,7 +160,7 @@ static void say_contact(session *s) {
                  s->scale.count_mm * s->scale.contact, 1e-3 * now->stiffness_mN_m, (unsigned)now->softness);
 }
 
-/* A session that was cut off may have left it in the middle of a run. */
+/* An interrupted session may have left the device in a run. */
 outcome session_end_last(session *s) {
     palp_wire_message m = {.type = PALP_WIRE_TYPE_STOP};
     outcome end = session_status(s);

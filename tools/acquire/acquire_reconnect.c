@@ -17,7 +17,7 @@ bool session_reopen(session *s) {
     return true;
 }
 
-/* Tries until the device answers, a stop is asked for, or the time is over. */
+/* Tries until the device answers, a stop is requested, or the time is over. */
 static outcome wait_for_it(session *s, double patience_s) {
     const double until_s = link_now_s() + patience_s;
     const struct timespec nap = {.tv_nsec = 1000000L * NAP_MS};
@@ -33,7 +33,7 @@ static outcome wait_for_it(session *s, double patience_s) {
     return GOES_ON;
 }
 
-/* The same device, without a restart; its samples go on or stay off. */
+/* Checks that it is the same device without a restart; samples stay on or off. */
 static outcome go_on(session *s, uint32_t serial, const palp_wire_status *then) {
     const palp_wire_status *now = &s->device.status;
     const bool quiet = s->quiet,
@@ -54,7 +54,7 @@ outcome session_reconnect(session *s) {
     const uint32_t serial = s->device.info.serial;
     const double patience_s = s->options->reconnect_s;
     session_tell(s, true, "%s, %s: waiting %.0f s for a connection", s->device.why, s->doing, patience_s);
-    s->reconnect = NULL; /* a link that breaks again at once is not tried again */
+    s->reconnect = NULL; /* no second attempt after an immediate failure */
     outcome end = wait_for_it(s, patience_s);
     end = end ? end : go_on(s, serial, &then);
     s->reconnect = session_reconnect;

@@ -6,7 +6,7 @@
 
 static const char NAME[] = "acquire";
 
-static const double TRIGGER_S = 1e6; /* nobody knows when its camera will start a run; Ctrl-C ends the wait */
+static const double TRIGGER_S = 1e6; /* the time of a trigger is unknown; Ctrl-C ends the wait */
 
 /* ---- one run ---- */
 
@@ -62,7 +62,7 @@ static outcome start_run(session *s) {
     return end == FAILED && s->device.refusal == PALP_WIRE_RESULT_RANGE ? out_of_range(s) : end;
 }
 
-/* Without samples, which nobody would keep, unless somebody watches. */
+/* Rests with samples off, unless somebody watches. */
 static outcome rest(session *s) {
     outcome end = GOES_ON;
     if (s->run->motion.rest_s > 0) { /* not NAN */
@@ -101,7 +101,7 @@ static outcome one_run(session *s, size_t i) {
     return lost ? session_fail(s, "the device has restarted, %s", s->doing) : end;
 }
 
-/* The session goes on, since the specimen is there; its exit code says it. */
+/* Notes a run with too many lost samples; the session continues, but its exit code tells. */
 static void note_loss(session *s) {
     const acquire_figures *g = &s->file.figures;
     const size_t missing = g->lost + g->bad, all = g->samples + missing;
@@ -110,7 +110,7 @@ static void note_loss(session *s) {
                  s->file.path, missing, all, 100.0 * (double)missing / (double)all);
 }
 
-/* Closes what the run has recorded; a run of which nothing came leaves no file. */
+/* Closes the recording; a run without samples leaves no file. */
 static outcome end_run(session *s, outcome end, const char *cause) {
     if (s->file.fd < 0)
         return end;
@@ -136,7 +136,7 @@ static outcome end_run(session *s, outcome end, const char *cause) {
 
 /* ---- the end ---- */
 
-/* The plate off the specimen, whatever it was doing; what comes meanwhile is still recorded. */
+/* Withdraws the plate in any state; samples until then are recorded. */
 outcome session_withdraw(session *s, outcome end) {
     if (end == GONE || end == FAULTED || !session_moving(s))
         return end;

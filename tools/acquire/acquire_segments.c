@@ -7,7 +7,7 @@ static uint32_t whole(double x) {
     return (uint32_t)fmin(fmax(rint(x), 0), 4294967295.0);
 }
 
-/* Time that the segment takes from where the plate is. */
+/* Duration of the segment from the present place. */
 static double duration_s(uint8_t kind, double way_mm, const acquire_motion *m) {
     switch (kind) {
     case PALP_WIRE_SEGMENT_MOVE:
@@ -25,7 +25,7 @@ static double duration_s(uint8_t kind, double way_mm, const acquire_motion *m) {
     }
 }
 
-/* Where a force ends nobody knows before. */
+/* The end of a force segment is not known in advance. */
 static bool add_force(acquire_run *r, double force_N, const acquire_motion *m) {
     palp_wire_segment *s = &r->segment[r->n_segments];
     *s = (palp_wire_segment){.index = (uint8_t)r->n_segments,
@@ -69,7 +69,7 @@ bool acquire_segment_add(acquire_run *r, uint8_t kind, double target_mm, const a
     return true;
 }
 
-/* A way or a rest of nothing is left out: the device takes none. */
+/* Skips moves and rests of zero length, which the device refuses. */
 static void move(acquire_run *r, double to_mm) {
     if (to_mm != r->at_mm)
         acquire_segment_add(r, PALP_WIRE_SEGMENT_MOVE, to_mm, &r->motion);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Wall clock: no samples for so long makes us ask why, nothing heard at all makes us give up. */
+/* Wall-clock limits: without samples for so long we ask for the status; without any message we give up. */
 static const double ASK_S = 1, SILENT_S = 10;
 
 static const double DEEPEST_MM = 1000; /* more than any travel */
@@ -26,7 +26,7 @@ int session_stops(void) {
     return stops;
 }
 
-/* What goes wrong while it is being stopped is not why. */
+/* Errors while stopping do not replace the reason. */
 outcome session_fail(session *s, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
@@ -41,7 +41,7 @@ outcome session_fail(session *s, const char *format, ...) {
 static void hear_samples(session *s, const palp_wire_samples *b) {
     s->tick = b->tick + b->count - 1u;
     s->case_C = 1e-2 * b->case_cC;
-    if (s->tick - s->status_tick - 1 < INT32_MAX) { /* else a status has told a newer state */
+    if (s->tick - s->status_tick - 1 < INT32_MAX) { /* else a newer status has arrived */
         s->state = b->state;
     }
     if (s->file.fd >= 0 && acquire_file_add(&s->file, b) > 0)
@@ -50,7 +50,7 @@ static void hear_samples(session *s, const palp_wire_samples *b) {
 
 static void hear(const palp_wire_message *m, unsigned lost_frames, void *context) {
     session *s = context;
-    (void)lost_frames; /* the ticks that are missing are counted */
+    (void)lost_frames;
     s->heard_s = link_now_s();
     if (m->type == PALP_WIRE_TYPE_SAMPLES && m->as.samples.count > 0) {
         s->asked_s = s->heard_s;
@@ -70,7 +70,7 @@ bool session_moving(const session *s) {
            s->state == PALP_WIRE_STATE_JOG;
 }
 
-/* A link that broke while nothing moved and nothing was recorded may come back. */
+/* Whether a broken link may be reopened: nothing moved and nothing was recorded. */
 static outcome mended(session *s, outcome end) {
     const bool may = s->reconnect && s->file.fd < 0 && !s->stopping && !session_moving(s) &&
                      strncmp(s->options->where, "fd:", 3) != 0;
@@ -84,7 +84,7 @@ static outcome faulted(session *s) {
     const palp_wire_status *now = &s->device.status;
     acquire_file *f = &s->file;
     palp_wire_message got;
-    device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got); /* its answer comes after the last samples */
+    device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got);
     uint32_t ticks = now->fault_tick - f->first_tick;
     bool same_clock = now->state == PALP_WIRE_STATE_FAULT && ticks - (f->last_tick - f->first_tick) < 60000;
     if (f->fd >= 0 && f->started) {
@@ -96,7 +96,7 @@ static outcome faulted(session *s) {
     return FAULTED;
 }
 
-/* A write that fails may come before the last of what there is to read. */
+/* A write may fail before the last data were read. */
 static outcome gone(session *s) {
     session_fail(s, "%s", s->device.why);
     for (int failed = 0, reads = 0; failed < 2 && reads < 10000; reads++)
@@ -133,7 +133,7 @@ outcome session_status(session *s) {
     return end == GOES_ON && s->state == PALP_WIRE_STATE_FAULT ? faulted(s) : end;
 }
 
-/* A force whose deepest place is not given stays within the specimen, where its height is known. */
+/* A force segment without a deepest place stays within the specimen, if its height is known. */
 outcome session_segments(session *s, const acquire_run *r) {
     outcome end = GOES_ON;
     for (size_t i = 0; i < r->n_segments && end == GOES_ON; i++) {
@@ -157,7 +157,7 @@ static void show(session *s) {
     }
 }
 
-/* A device that has restarted sends no samples, one that is to be quiet neither. */
+/* A restarted or silent device sends no samples. */
 static outcome ask_how_it_is(session *s) {
     palp_wire_message got;
     s->asked_s = link_now_s();
@@ -225,7 +225,7 @@ static void catch_signals(void) {
     sigaction(SIGTERM, &note, NULL);
     sigaction(SIGHUP, &note, NULL);
     sigaction(SIGPIPE, &ignore, NULL);
-    sigaction(SIGXFSZ, &ignore, NULL); /* a file that may not grow is told by its errno */
+    sigaction(SIGXFSZ, &ignore, NULL); /* a file-size limit gives an errno instead of a signal */
 }
 
 session *session_open(const acquire_options *options, const acquire_plan *plan) {

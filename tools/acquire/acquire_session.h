@@ -6,7 +6,7 @@
 
 #include <time.h>
 
-/* Why a session ended or goes on. FAILED_SAID: the message is on stderr already. */
+/* Why a session ended or continues. FAILED_SAID: the message is already on stderr. */
 typedef enum outcome { GOES_ON, STOPPED, GONE, FAULTED, FAILED, FAILED_SAID } outcome;
 
 typedef struct session session;
@@ -39,13 +39,13 @@ struct session {
     uint8_t state;
     uint32_t tick, status_tick;
     double case_C;
-    double heard_s, asked_s;          /* wall clock; asked: also when samples came */
+    double heard_s, asked_s;          /* wall clock; asked: last status request or samples */
     bool quiet;                       /* the device was asked to send no samples */
-    outcome (*reconnect)(session *s); /* session_reconnect where a link that broke is waited for, or NULL */
+    outcome (*reconnect)(session *s); /* session_reconnect if a broken link is waited for, or NULL */
     bool stopping;                    /* the device is being stopped */
     int stops_seen;
     size_t lossy;     /* runs with too many samples missing; why names the first */
-    double faulted_s; /* into the recording; -1 = not in one */
+    double faulted_s; /* ticks in the recording; -1 = none */
     char why[ACQUIRE_TEXT];
     json_t *done; /* figures of each run, for the summary */
 };
@@ -54,7 +54,7 @@ struct session {
 session *session_open(const acquire_options *options, const acquire_plan *plan);
 void session_close(session *s);
 
-/* Orders and questions. what completes "it does not ...". */
+/* Commands and queries. what completes "it does not ...". */
 outcome session_order(session *s, palp_wire_message *command, const char *what);
 outcome session_ask(session *s, palp_wire_message *question, palp_wire_message *answer);
 outcome session_status(session *s);
@@ -67,34 +67,33 @@ bool session_moving(const session *s);
 outcome session_settle(session *s, double limit_s);
 outcome session_wait(session *s, double seconds);
 outcome session_stream(session *s, bool on);
-int session_stops(void); /* how often somebody wished to stop */
+int session_stops(void); /* number of stop requests */
 
 bool session_is_to_stop(const session *s);
 
-outcome session_listen(session *s); /* takes the frames that arrive within a moment */
+outcome session_listen(session *s); /* receives the frames of a moment */
 
-/* A link that broke (acquire_reconnect.c): tries it once; waits for it for options->reconnect_s, and goes on
- * as before. */
+/* Reopens a broken link (acquire_reconnect.c): one attempt; attempts for options->reconnect_s. */
 bool session_reopen(session *s);
 outcome session_reconnect(session *s);
 
-/* Before a run (acquire_ready.c). Each writes its name into s->doing. */
-outcome session_end_last(session *s);  /* a session that was cut off may have left it moving */
-outcome session_configure(session *s); /* limits, calibration, gains; samples come from then on */
+/* Preparations of a run (acquire_ready.c). Each writes its name into s->doing. */
+outcome session_end_last(session *s);  /* an interrupted session may have left it moving */
+outcome session_configure(session *s); /* sets limits, calibration and gains, and turns samples on */
 outcome session_read_scale(session *s);
 outcome session_home(session *s);
 outcome session_tare(session *s);
-outcome session_find_contact(session *s); /* the caller takes the contact from the status */
-/* Refuses at once a run that the device would refuse or stop an hour later. */
+outcome session_find_contact(session *s); /* the contact is in the status */
+/* Checks a run in advance, as the device will. */
 outcome session_check_run(session *s, const acquire_run *run);
 outcome session_make_ready(session *s); /* all of these, for the whole plan */
 
-/* Run i of the plan, from the rest before it to its closed file (acquire_run.c). */
+/* Run i of the plan, with the rest before it and its file (acquire_run.c). */
 outcome session_run(session *s, size_t i);
-/* Withdraws the plate, whatever it was doing; samples are recorded until then. */
+/* Withdraws the plate in any state; samples until then are recorded. */
 outcome session_withdraw(session *s, outcome end);
 const char *session_cause(const session *s, outcome end); /* as in end.fault */
-/* How it ended, in one line; empty where all went well. Returns the exit code. */
+/* The result in one line; empty on success. Returns the exit code. */
 int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]);
 
 /* Texts (acquire_say.c). */

@@ -24,15 +24,15 @@ typedef struct acquire_setup {
 
 acquire_setup acquire_setup_default(void);
 
-/* The options, headings included; how many. Those of the rig are rig_options_list's. */
+/* The options with headings; return their number. Those of the rig are rig_options_list's. */
 size_t acquire_setup_device(acquire_setup *setup, cli_option *list);
 size_t acquire_setup_specimen(acquire_setup *setup, cli_option *list);
 size_t acquire_setup_columns(acquire_setup *setup,
                              cli_option *list); /* of the recordings; without a heading */
 
-/* To be called in this order after the options were read; exit codes. check: a device and a folder are named.
- * prepare: takes the specimen's size from the virtual indenter's model. open: starts the virtual indenter, if
- * it is one. */
+/* Call in this order after the options were read; they return exit codes. check: a device and a folder are
+ * named. prepare: reads the specimen's size from the virtual indenter's model. open: starts the virtual
+ * indenter, if used. */
 int acquire_setup_check(const char *name, acquire_setup *setup);
 int acquire_setup_prepare(const char *name, acquire_setup *setup);
 int acquire_setup_open(const char *name, acquire_setup *setup);

@@ -11,7 +11,7 @@
 
 static const char NAME[] = "acquire";
 
-/* What the command line says beyond what the session takes. */
+/* Options of the command line that are not in the session. */
 typedef struct choice {
     acquire_setup setup;
     acquire_motion motion;
@@ -237,7 +237,7 @@ static int check_specimen(const choice *c, const acquire_plan *plan) {
 
 /* ---- all of it ---- */
 
-/* Before anything moves: what is there already, and what the rig reads or writes. */
+/* Checks outputs in advance: existing files, and those that the rig reads or writes. */
 static int check_files(const choice *c, const acquire_plan *plan) {
     const acquire_options *o = &c->setup.session;
     char path[CLI_PATH_MAX];

@@ -12,9 +12,9 @@ enum { MACHINE_WORDS = 64 };
 typedef struct machine_options {
     acquire_setup setup;
     bool json, yes, hanging, large_change;
-    acquire_plan *plan; /* the session's, for the step to fill */
+    acquire_plan *plan; /* the trace of the session, for the step */
     cli_list weights_g;
-    size_t channel; /* of the sensor, from 1, that is calibrated alone; 0: all by their matrix */
+    size_t channel; /* channel of the sensor, from 1, to calibrate alone; 0: all by their matrix */
     double gravity_m_s2, average_s, force_N; /* 0: not given */
     const char *out;                         /* of show: a file */
     size_t n_words;
@@ -23,11 +23,11 @@ typedef struct machine_options {
 
 #define MACHINE_NAME "calibrate-device"
 
-/* Brings the device to IDLE, where parameters can be set: a held plate is let go. An exit code, after one
- * line if it is not 0. */
+/* Brings the device to IDLE, where parameters can be set; a held plate is released. Returns an exit code,
+ * after one line if it is not 0. */
 int machine_idle(device *d);
 int machine_failure(device *d, device_result result);
-/* Reads a line; true for yes. --yes says it without asking; the end of the input is a no. */
+/* Asks and reads a line; true for yes, or with --yes. End of input means no. */
 bool machine_agrees(const machine_options *o, const char *question);
 
 /* Results of a step: on stderr as they come, and as JSON at its end (machine_result.c). */
@@ -57,7 +57,7 @@ int machine_set(const machine_options *o, session *s);      /* NAME=VALUE ... */
 int machine_load(const machine_options *o, session *s);     /* FILE.json */
 int machine_standard(const machine_options *o, session *s); /* what is compiled in */
 
-/* A value that is to be set; and setting and keeping them after asking: an exit code. */
+/* Parameters to set. Asks, sets and saves them; returns an exit code. */
 typedef struct machine_change {
     const device_parameter *one;
     double value;

@@ -51,7 +51,7 @@ typedef struct normal {
 void dpotrf_(const char *half, const int *n, double *a, const int *lda, int *info);
 void dpotri_(const char *half, const int *n, double *a, const int *lda, int *info);
 
-/* Of a symmetric matrix, scaled to ones on its diagonal. */
+/* Inverts the normal matrix, scaled to a unit diagonal. */
 static bool invert(normal *m) {
     const int n = (int)m->n, lda = MACHINE_TERMS;
     int info;

@@ -18,11 +18,11 @@ typedef struct machine_trace {
     machine_sample *list;
 } machine_trace;
 
-/* A session's watcher, its context a machine_trace. */
+/* An observer of a session; its context is a machine_trace. */
 void machine_trace_heard(const session *s, const palp_wire_message *m, void *context);
 void machine_trace_free(machine_trace *t);
 
-/* A value with half of its 95 % interval. */
+/* A value with the half-width of its 95 % interval. */
 typedef struct machine_figure {
     double value, half;
 } machine_figure;

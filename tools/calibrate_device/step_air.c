@@ -10,11 +10,11 @@ enum {
     RATES = 3,
     REPEATS = 2,
     PASSES = RATES * REPEATS,
-    BLOCK = 20 /* ticks of a mean, of which the ripple is the sd */
+    BLOCK = 20 /* ticks of a mean; the ripple is the sd of these means */
 };
 
 static const double RATE_MM_S[RATES] = {2, 5, 10}, TOP_MM = 2, STROKE_MM = 10,
-                    MARGIN = 0.2 /* of the stroke, at both ends */;
+                    MARGIN = 0.2 /* share of the stroke left out at both ends */;
 static const double FULL = 32767, REST_S = 1;
 
 typedef struct airing {
@@ -24,7 +24,7 @@ typedef struct airing {
     double motor_N, low_mm, high_mm;
     size_t n; /* pairs of passes */
     double rate_m_s[PASSES], half_N[PASSES],
-        mean_N[PASSES]; /* half of the difference of down and up, and their mean */
+        mean_N[PASSES]; /* half the difference of down and up, and their mean */
     double ripple_N, noise_N;
 } airing;
 
@@ -40,7 +40,7 @@ static outcome jog(session *s, double to_mm, double rate_mm_s) {
     return end ? end : session_settle(s, 60);
 }
 
-/* In the middle of the way: the motor's mean force, and the sd of means of 20 ms. */
+/* In the middle of the stroke: mean force of the motor, and the sd of means of 20 ms. */
 static bool middle(const airing *a, pass *p) {
     const machine_trace *t = a->trace;
     const double margin = MARGIN * (a->high_mm - a->low_mm), mm = a->s->scale.count_mm;
@@ -93,7 +93,7 @@ static outcome down_and_up(airing *a, double rate_mm_s) {
     return GOES_ON;
 }
 
-/* Of the force while the motor holds the plate. */
+/* Noise of the force while the motor holds the plate. */
 static outcome noise(airing *a) {
     double sum = 0, square = 0;
     a->trace->n = 0;
@@ -124,7 +124,7 @@ static outcome measure(airing *a) {
     return session_withdraw(s, end);
 }
 
-/* ---- what follows from it ---- */
+/* ---- results ---- */
 
 static int keep(const airing *a, const device_parameters *p, machine_result *result) {
     double x[PASSES][MACHINE_TERMS], one[PASSES][MACHINE_TERMS];

@@ -12,8 +12,9 @@ enum { MEAN = 50 /* ticks of a point */, DOWN = 1, UP = 3 /* of the segments */ 
 static const double FULL = 32767, SHARE = 0.4 /* of the highest force */, AIR_MM = 0.05, RAMP_S = 5,
                     HOLD_S = 1, BACK = 0.1;
 static const double SOFT_N_M = 1e4;
-static const double LOADED = 0.1, TURNED = 0.7; /* share of the force from which a point counts: below it,
-                                                   friction is still changing its sign on the way back */
+static const double
+    LOADED = 0.1,
+    TURNED = 0.7; /* share of the force above which points count; below it friction is still reversing */
 
 static bool move(acquire_run *r, double to_mm, double seconds) {
     acquire_motion m = r->motion;
@@ -34,7 +35,7 @@ static bool plan_press(acquire_plan *plan, double depth_mm) {
            acquire_segment_add(r, PALP_WIRE_SEGMENT_HOLD, depth_mm, &m) && move(r, BACK * depth_mm, RAMP_S);
 }
 
-/* ---- the motor: its force by its duty against what the sensor reads, up and down apart ---- */
+/* ---- force of the motor by its duty against the sensor, up and down apart ---- */
 
 static bool motor_share(const session *s, const machine_trace *t, double force_N, double motor_N,
                         machine_figure c[3]) {

@@ -10,8 +10,8 @@
 static const char NAME[] = MACHINE_NAME;
 
 enum {
-    WIDTH = 8 /* ticks: half of the triangle that all signals are averaged by */,
-    STEP = 8 /* from one point to the next */,
+    WIDTH = 8 /* half-width of the triangular mean of all signals, ticks */,
+    STEP = 8 /* ticks between points */,
     CLASSES = 6,
     TERMS = 4,
     PARTS = 8
@@ -19,13 +19,13 @@ enum {
 
 static const double FULL = 32767, AIR_MM = 4, AMPLITUDE_MM = 0.5, FROM_HZ = 2, TO_HZ = 20, SWEEP_S = 10;
 static const double EQUATIONS =
-    0.005; /* delays within a tick, friction that is not quite the same at any speed */
+    0.005; /* systematic error: delays within a tick, friction that varies with speed */
 static const double ONE_WAY = 0.999, WORSE = 1.2;
 
 /* force = mass * acceleration + drag * velocity + friction * sign(velocity) + lift */
 typedef struct drive {
     machine_figure mass_kg, drag_Ns_m, friction_N, lift_N;
-    double error_um; /* rms of the plate's place */
+    double error_um; /* rms of the control error */
 } drive;
 
 /* ---- the sweep ---- */
@@ -65,7 +65,7 @@ static double place(const signals *g, size_t i) {
     return g->count_m * g->list[i].position;
 }
 
-/* From the tick before and the tick after, since an output holds until the next tick. */
+/* Central difference, since an output is constant within a tick. */
 static double force_at(const signals *g, size_t i) {
     return 0.5 * g->motor_N / FULL * (g->list[i].duty + g->list[i - 1].duty);
 }
@@ -79,7 +79,7 @@ static double direction_at(const signals *g, size_t i) {
     return way > 0 ? 1 : way < 0 ? -1 : 0;
 }
 
-/* All signals are averaged by the same triangle: with it a second difference over its width is the mean
+/* All signals have the same triangular mean, with which a second difference over its width is the mean
  * acceleration. */
 static void averaged(const signals *g, size_t i, double x[MACHINE_TERMS], double *force_N) {
     const double width_s = WIDTH * g->tick_s;
@@ -123,8 +123,8 @@ static bool make_points(const signals *g, points *p) {
     return p->x && p->y && p->n > 10 * PARTS;
 }
 
-/* Jackknife over parts of the sweep, which differ in frequency: so errors of the model enter the interval
- * too. */
+/* Jackknife over parts of the sweep, which differ in frequency, so the interval includes errors of the model.
+ */
 static bool widen(const points *p, machine_figure c[TERMS]) {
     double square[TERMS] = {0};
     points some = {0, malloc(p->n * sizeof *p->x), malloc(p->n * sizeof *p->y)};
@@ -176,8 +176,7 @@ static int measure(session *s, machine_trace *trace, double motor_N, drive *d) {
 
 /* ---- gains ---- */
 
-/* Three equal poles -w: the gains in use give w and, in kp, the stiffness that the class is for;
- * doc/control.md. */
+/* Three equal poles -w: w and the stiffness of the class follow from the gains in use; doc/control.md. */
 static bool class_gains(const device_parameters *p, size_t k, const drive *d, machine_change change[3]) {
     const double old_kg = device_parameter_value(p, "moving_kg", 0), m = d->mass_kg.value;
     const double w = cbrt(device_parameter_value(p, "ki_N_ms", k) / old_kg);
@@ -210,7 +209,7 @@ static void tell(machine_result *r, const drive *d) {
     machine_tell(r, "error_um", d->error_um, NAN, "control error of the plate in the sweep, rms");
 }
 
-/* Repeats the sweep with the values found, and with the gains that follow from them. */
+/* Repeats the sweep with the new values and gains. */
 static int calibrate(const machine_options *o, session *s, machine_trace *trace, const device_parameters *p,
                      machine_result *result) {
     const double motor_N = device_parameter_value(p, "motor_N", 0);

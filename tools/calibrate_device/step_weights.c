@@ -9,12 +9,12 @@ static const char NAME[] = MACHINE_NAME;
 
 enum { STATIONS = 34 };
 
-/* A sensitivity so many times that in use, or so much less, is more often a wrong mass than a new sensor. */
+/* A larger change of the sensitivity by this factor is more often a wrong mass than a new sensor. */
 static const double LARGE = 1.2;
 
 static const double SETTLE_S = 0.5, STANDARD_GRAVITY = 9.80665, UNSEEN = 0.2;
 
-/* What the sensor read with one mass on it. */
+/* Reading of the sensor with one mass. */
 typedef struct station {
     double force_N, mean, sd, n;
     double read_N; /* by the matrix in use */
@@ -25,7 +25,7 @@ typedef struct weighing {
     session *s;
     machine_trace *trace;
     double used[PALP_WIRE_CHANNELS]; /* the row in use */
-    double row[PALP_WIRE_CHANNELS];  /* by which counts are added up: that, or one channel */
+    double row[PALP_WIRE_CHANNELS];  /* weights of the counts: the matrix row, or one channel */
     size_t n;
     station station[STATIONS];
 } weighing;
@@ -34,7 +34,7 @@ static double gravity(const machine_options *o) {
     return o->gravity_m_s2 > 0 ? o->gravity_m_s2 : STANDARD_GRAVITY;
 }
 
-/* Averages what comes; the reading counts as a row's sum of counts. */
+/* Averages the samples: a reading is the weighted sum of counts. */
 static outcome measure(weighing *w, station *at) {
     machine_trace *t = w->trace;
     double sum = 0, square = 0, used = 0;
@@ -89,7 +89,7 @@ static outcome weigh_all(weighing *w) {
     return end ? end : weigh(w, 0);
 }
 
-/* ---- what follows from it ---- */
+/* ---- results ---- */
 
 typedef struct weighed {
     machine_figure zero, slope; /* reading = zero + slope * force */
@@ -118,8 +118,8 @@ static bool fit(const weighing *w, weighed *r) {
     return slope > 0 && c[1].half < UNSEEN * slope;
 }
 
-/* What the largest mass reads as with the matrix in use, of what it is. A wrong mass makes this wrong and
- * nothing else, the line stays straight: only who put it there can tell. */
+/* Reading of the largest mass by the matrix in use, relative to its weight. A wrong mass changes only this;
+ * the line stays straight. */
 static int check_change(const weighing *w) {
     const station *most = w->station;
     for (size_t i = 1; i < w->n; i++)
@@ -137,7 +137,7 @@ static int check_change(const weighing *w) {
                : cli_failure(NAME, "nothing is changed");
 }
 
-/* The row in use divided by the slope; the sign with it. */
+/* The row in use divided by the slope, with its sign. */
 static int keep(const weighing *w, const weighed *r, const device_parameters *p) {
     machine_change change[PALP_WIRE_CHANNELS + 3];
     size_t n = 0;

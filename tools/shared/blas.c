@@ -25,8 +25,8 @@ static any_function find(const char *name) {
     return symbol.function;
 }
 
-/* Whether so many threads find what OpenBLAS takes for each that uses it, and 32 MiB for the rest: it tries
- * again for ever where it does not. */
+/* Whether memory suffices for OpenBLAS in this number of threads, and 32 MiB more. Without it OpenBLAS
+ * retries forever. */
 static bool fits(size_t threads) {
     const size_t bytes = (threads * 128 + 32) << 20;
     void *room = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -41,10 +41,10 @@ void blas_one_thread(char **argv) {
         return;
     bool limited = getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
     if (limited && !(threads && strcmp(threads, "1") == 0) && setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0)
-        execv("/proc/self/exe", argv); /* rid of the threads that it started, which may wait for memory */
+        execv("/proc/self/exe", argv); /* ends its threads, which may wait for memory */
     if (!fits(1)) {
         cli_failure(NULL, "too little memory: at least 160 MiB are needed; see ulimit -v");
-        _exit(CLI_FAILURE); /* OpenBLAS would wait for its threads */
+        _exit(CLI_FAILURE); /* skips exit handlers, which would wait for its threads */
     }
     limit(1);
 }

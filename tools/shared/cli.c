@@ -189,7 +189,7 @@ static int take(const char *name, const cli_option *o, const char *text) {
 
 /* ---- the whole command line ---- */
 
-/* The command's own --force; NULL = it has none. */
+/* The --force of the command itself; NULL = none. */
 static const bool *own_force(const cli_command *command) {
     for (size_t i = 0; i < command->n_options; i++)
         if (command->options[i].type == CLI_FLAG && strcmp(command->options[i].name, "force") == 0)
@@ -197,7 +197,7 @@ static const bool *own_force(const cli_command *command) {
     return NULL;
 }
 
-/* It has outputs, and no --force of its own. */
+/* Whether it has outputs, but no --force of its own. */
 static bool wants_force(const cli_command *command) {
     bool outputs = false;
     for (size_t i = 0; i < command->n_options; i++)
@@ -289,7 +289,7 @@ int cli_parse(const cli_command *command, int argc, char **argv, const char **wo
 static void help_line(const cli_option *o, FILE *to) {
     int width =
         o->type == CLI_FLAG ? fprintf(to, "  --%s", o->name) : fprintf(to, "  --%s %s", o->name, o->value);
-    if (width > HELP_COLUMN - 2) { /* two blanks: what tells them apart in a manual page */
+    if (width > HELP_COLUMN - 2) { /* two blanks separate them in a manual page */
         fputc('\n', to);
         width = 0;
     }
@@ -326,7 +326,7 @@ void cli_keep_command(int argc, char **argv, char command[CLI_COMMAND_MAX]) {
     palp_text_make_plain(command);
 }
 
-/* How many letters to put in, take out or change (or two neighbours to swap) to make one word the other. */
+/* Edit distance with swaps of neighbours (Damerau-Levenshtein). */
 static size_t distance(const char *a, const char *b) {
     enum { MOST = 32 };
     size_t n = strlen(a), m = strlen(b), row[3][MOST + 1], *two = row[0], *above = row[1], *now = row[2];
@@ -353,7 +353,7 @@ static size_t distance(const char *a, const char *b) {
 
 const char *cli_nearest(const char *word, size_t n, const char *const name[]) {
     const char *best = NULL;
-    size_t least = strlen(word) < 6 ? 2 : 3; /* as far apart, and nothing is meant */
+    size_t least = strlen(word) < 6 ? 2 : 3; /* at this distance nothing matches */
     for (size_t i = 0; i < n; i++) {
         size_t d = distance(word, name[i]);
         if (d < least || (d == least && !best && strncmp(word, name[i], 3) == 0)) {

@@ -39,7 +39,7 @@ typedef enum cli_type {
 typedef struct cli_option {
     cli_type type;
     const char *name;  /* without the dashes */
-    const char *value; /* what stands for the value in the help, e.g. "MM" */
+    const char *value; /* placeholder of the value in the help, e.g. "MM" */
     const char *help;  /* its rows separated by \n */
     union {
         bool *flag;
@@ -50,20 +50,19 @@ typedef struct cli_option {
         cli_list *list;
     } to;
     double low, high;
-    const char *files; /* patterns of what is written into a folder, between blanks */
+    const char *files; /* patterns of the files in a folder, between blanks */
 } cli_option;
 
 cli_option cli_heading(const char *text); /* of a group of options, in the help */
 cli_option cli_flag(const char *name, bool *to, const char *help);
 cli_option cli_text(const char *name, const char *value, const char **to, const char *help);
 
-/* The name of a file that is read ("-": standard input; several between commas) or written ("-": standard
- * output). A command that has an output takes --force, which lets it replace a recording; it may have such a
- * flag of its own. */
+/* A file to read ("-": standard input; several between commas) or to write ("-": standard output). A command
+ * with outputs accepts --force, which allows them to replace a recording; it may define this flag itself. */
 cli_option cli_in(const char *name, const char *value, const char **to, const char *help);
 cli_option cli_out(const char *name, const char *value, const char **to, const char *help);
 
-/* A folder of outputs; files: what may be written there, as "*.vtu result.json". */
+/* A folder of outputs; files: patterns of them, such as "*.vtu result.json". */
 cli_option cli_out_folder(const char *name, const char *value, const char **to, const char *files,
                           const char *help);
 
@@ -89,19 +88,19 @@ typedef struct cli_command {
     size_t n_options;
 } cli_command;
 
-/* Reads argv[1] on into the options' targets and the other words into words[max_words], "-" as standard
- * input. CLI_OK; CLI_USAGE after one line on stderr; CLI_HELP after the help on stdout. */
+/* Reads options into their targets and other words into words[max_words], "-" as standard input. Returns
+ * CLI_OK, CLI_USAGE after one line on stderr, or CLI_HELP after the help on stdout. */
 int cli_parse(const cli_command *command, int argc, char **argv, const char **words, size_t max_words,
               size_t *n_words);
 
 void cli_help(const cli_command *command, FILE *to);
 
-/* The command line as typed, for the record, made plain text and cut where it is too long. Call it before
- * cli_parse, which moves the words behind the options. */
+/* The command line as typed, made plain text and cut if too long. Call it before cli_parse, which reorders
+ * words. */
 void cli_keep_command(int argc, char **argv, char command[CLI_COMMAND_MAX]);
 
-/* One line, such as a row of a table, with a newline after it. Here and in the next ones control characters
- * of a file's or specimen's name reach no terminal (palp_text_make_plain). */
+/* One line with a newline after it. All these functions remove control characters of names
+ * (palp_text_make_plain). */
 void cli_say(FILE *to, const char *format, ...) CLI_PRINTF(2, 3);
 
 /* One line "palpate NAME: ..." on stderr; returns the exit code of its name. */
@@ -110,42 +109,41 @@ int cli_usage_error(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
 int cli_failure(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
 void cli_warning(const char *name, const char *format, ...) CLI_PRINTF(2, 3);
 
-/* The same for a failed library call: error's text, else "WHAT: " and that of the status; what is the file or
- * option that is meant. 3 where a solver gave up, else 1. */
+/* The same for a failed library call: error's text, else "WHAT: " and that of the status; what names the file
+ * or option. Returns 3 if a solver gave up, else 1. */
 int cli_status(const char *name, palp_status status, const palp_error *error);
 int cli_status_of(const char *name, const char *what, palp_status status, const palp_error *error);
 
-/* The whole of text as a finite number, or as numbers between commas (up to CLI_LIST_MAX). */
+/* Reads all of text as a finite number, or as numbers between commas (up to CLI_LIST_MAX). */
 bool cli_read_number(const char *text, double *value);
 bool cli_read_list(const char *text, cli_list *list);
 
-/* A list of one or three values spread over the three axes. */
+/* Spreads a list of one or three values over three axes. */
 bool cli_spread(const cli_list *list, double value[3]);
 
-/* A file to be written, by the library's rules (palpate/file.h); NULL path = standard output. It must end in
+/* Opens a file for writing by the rules of palpate/file.h; NULL path = standard output. End it by
  * cli_file_close or palp_file_abandon. */
 int cli_file_open(const char *name, const char *path, palp_file *file);
 int cli_file_close(const char *name, palp_file *file);
 
-/* What was printed has reached standard output. */
+/* Flushes standard output. */
 int cli_flush(const char *name);
 
-/* The outputs of a command line: none is an input, a recording or another output. An exit code. */
+/* Checks outputs: none is an input, a recording or another output. Returns an exit code. */
 int cli_outputs_check(const cli_command *command, bool force, const char *const words[], size_t n_words);
 
-/* Refuses an output that is one of the inputs (a file, or of a folder what palpate report takes), and, unless
- * forced, one that would replace a recording: an experiment that no simulation wrote. cli_parse does so for
- * CLI_OUT. */
+/* Refuses an output that is an input. Unless forced it also refuses to replace a recording (an experiment
+ * that no simulation wrote). cli_parse calls it for CLI_OUT. */
 int cli_output_check(const char *name, const char *path, bool force, size_t n_inputs,
                      const char *const inputs[]);
 
-/* The name that a mistyped word is likely to mean; NULL = none. */
+/* The nearest name to a mistyped word; NULL = none. */
 const char *cli_nearest(const char *word, size_t n, const char *const name[]);
 
-/* What is behind the last slash. */
+/* The part after the last slash. */
 const char *cli_base(const char *path);
 
-/* Makes the folder if need be; an exit code. */
+/* Creates the folder if it does not exist; returns an exit code. */
 int cli_folder(const char *name, const char *folder);
 
 #endif

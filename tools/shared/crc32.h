@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Of the n bytes that follow those that gave crc; 0 to begin with. */
+/* CRC-32 of n more bytes after those of crc; 0 to begin with. */
 uint32_t crc32_add(uint32_t crc, const void *bytes, size_t n);
 
 #endif

@@ -13,7 +13,7 @@ int json_print(const char *name, json_t *value) {
     return json_save(name, value, NULL);
 }
 
-/* The members, then the figures, each on a line. */
+/* Writes the members, then each figure on a line. */
 static bool dump(json_t *value, FILE *to) {
     json_t *figures = json_object_get(value, "figures");
     figures = json_is_array(figures) ? json_incref(figures) : NULL;
@@ -23,7 +23,7 @@ static bool dump(json_t *value, FILE *to) {
     size_t n = text ? strlen(text) : 0;
     bool good = n > 2;
     if (figures && good) {
-        fprintf(to, "%.*s,\n  \"figures\": [", (int)(n - 2), text); /* but for the last brace */
+        fprintf(to, "%.*s,\n  \"figures\": [", (int)(n - 2), text); /* without the last brace */
         for (size_t i = 0; i < json_array_size(figures) && good; i++) {
             fputs(i ? ",\n    " : "\n    ", to);
             good = json_dumpf(json_array_get(figures, i), to,

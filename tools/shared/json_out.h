@@ -6,22 +6,22 @@
 #include <palpate/law.h>
 #include <stddef.h>
 
-/* Prints a value with two spaces of indent and frees it; an exit code. NULL = out of memory. */
+/* Prints a value indented by two and frees it; returns an exit code. NULL = out of memory. */
 int json_print(const char *name, json_t *value);
 
-/* Writes it to a file, under a temporary name first, and frees it; an exit code. NULL = out of memory. Of its
- * member figures, if it has one, each takes a line: they are long. */
+/* Writes it to a file by a temporary one and frees it; returns an exit code. NULL = out of memory. Each
+ * figure takes one long line. */
 int json_save(const char *name, json_t *value, const char *path);
 
-/* A file's name or another text from outside, made plain (palp_text_make_plain); NULL = out of memory. */
+/* Text from outside, made plain (palp_text_make_plain); NULL = out of memory. */
 json_t *json_text(const char *text);
 
 json_t *json_numbers(size_t n, const double *value);
 
-/* A law's numbers: coefficients_N or coefficients_Pa, or strain and stiffness_N of a spline. */
+/* Parameters of a law: coefficients_N or coefficients_Pa, or strain and stiffness_N of a spline. */
 void json_add_law(json_t *to, const palp_law *law);
 
-/* The member of a key; NAN or "-" if there is none of this type. */
+/* The member of this key and type; NAN or "-" if there is none. */
 double json_number_at(const json_t *object, const char *key);
 const char *json_text_at(const json_t *object, const char *key);
 

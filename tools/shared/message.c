@@ -3,7 +3,7 @@
 
 #include <stdarg.h>
 
-/* A line is cut where it is longer than any that is meant for a reader. */
+/* Longest line; more is cut. */
 enum { LINE_MAX_BYTES = 2 * CLI_PATH_MAX };
 
 static void say(FILE *to, const char *start, const char *format, va_list arguments) {

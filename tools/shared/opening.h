@@ -5,15 +5,15 @@
 #include <palpate/experiment.h>
 #include <palpate/model.h>
 
-/* Each returns an exit code; command is its name for the line. mesh is as of palp_model_read. The caller
+/* Functions return an exit code; command is its name for messages. mesh is as of palp_model_read. The caller
  * frees *run. */
 int open_model(const char *command, const char *file, palp_model *model, palp_mesh_source *mesh);
 int open_run(const char *command, const char *file, palp_experiment **run);
 
-/* The line of a model that has a density where the command's networks have no mass. */
+/* Refuses a model with a density where the networks have no mass. */
 int open_refuse_mass(const char *command, const char *file, const palp_model *model);
 
-/* A model of one kind; the line of another is "file: otherwise". */
+/* Opens a model of one kind; for another the message is "file: otherwise". */
 int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise,
                   palp_model *model, palp_mesh_source *mesh);
 
@@ -24,8 +24,7 @@ palp_status open_smooth_depth(palp_experiment *run);
 /* A text from outside as a key of a run's header, made plain (palp_text_make_plain). */
 palp_status open_set_text(palp_experiment *run, const char *key, const char *text);
 
-/* The run's specimen.kind where that is none ("none": air, "rigid": a block to see the frame), as palpate
- * acquire records them beside those of the specimen; else NULL. */
+/* specimen.kind if it is "none" (air) or "rigid" (a block to measure the frame); else NULL. */
 const char *open_no_specimen(const palp_experiment *run);
 
 #endif

@@ -10,9 +10,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* ---- what must not be replaced ---- */
+/* ---- files that must not be replaced ---- */
 
-/* Whether two files stand, or would stand, in one folder. */
+/* Whether two files are in the same folder, existing or not. */
 static bool stands_together(const char *a, const char *b) {
     const char *path[2] = {a, b};
     char folder[2][CLI_PATH_MAX];
@@ -36,7 +36,7 @@ static bool same_file(const char *a, const char *b) {
     return !there && !too && strcmp(cli_base(a), cli_base(b)) == 0 && stands_together(a, b);
 }
 
-/* A folder's files that are read as recordings, models and results. */
+/* Whether a file in a folder is read as a recording, model or result. */
 static bool in_folder(const char *path, const char *folder) {
     char file[CLI_PATH_MAX];
     struct stat entry;
@@ -46,7 +46,7 @@ static bool in_folder(const char *path, const char *folder) {
     return kind && n > 0 && (size_t)n < sizeof file && stat(file, &entry) == 0 && same_file(path, file);
 }
 
-/* Whether the output is an input's file, or one of several between commas. */
+/* Whether the output is an input file, or one of several between commas. */
 static bool is_input(const char *path, const char *input) {
     char file[CLI_PATH_MAX];
     struct stat entry;

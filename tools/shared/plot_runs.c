@@ -54,8 +54,8 @@ static double abscissa(const palp_recording *r, const axis *a, size_t i) {
     return a->depth ? 1e3 * r->depth_m[i] : r->time_s[i] - r->ramp_start_s;
 }
 
-/* Bin of a sample: even in time or log time, or for a depth in the count of samples and in the way, a part of
- * it, that the plate has gone; -1 = not drawn. */
+/* Bin of a sample, -1 = not drawn. Bins are equal in time or log time. Over depth they are equal in the
+ * number of samples, mixed with the travel of the plate. */
 static long bin_of(const palp_recording *r, const axis *a, size_t i, double gone) {
     double x = abscissa(r, a, i), at = 0;
     if (!r->use[i] || x < a->from || x > a->to)

@@ -102,7 +102,7 @@ static palp_status run_forward(const simulate_options *o, simulation *s, palp_er
         run.time_s = time_s;
         run.depth_m = depth_m;
         if (s->like)
-            palp_experiment_get_number(s->like, "session.start_s", &run.session_s); /* where it is told */
+            palp_experiment_get_number(s->like, "session.start_s", &run.session_s);
         force_N = malloc((run.n + 1) * sizeof *force_N);
         status = force_N ? follow_columns(s, &run, column) : PALP_ERR_NO_MEMORY;
     }
