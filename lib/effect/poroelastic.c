@@ -50,7 +50,7 @@ const effect_row effect_poroelastic = {
              .name = "poroelastic consolidation",
              .place = PALP_EFFECT_SPECIMEN,
              .means = "Liquid is pressed out of pores; the force falls as it drains.",
-             .seen_by = "holds as long as the time, ramps a hundredth of it",
+             .seen_by = "dwells as long as the time, ramps a hundredth of it",
              .n_parameters = 2,
              .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE, .strength = true},
                            {"time_s", 1, 1e-12, 1e12, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},

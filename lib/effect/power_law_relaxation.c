@@ -53,7 +53,7 @@ const effect_row effect_power_law_relaxation = {
              .name = "power-law relaxation (springpot)",
              .place = PALP_EFFECT_SPECIMEN,
              .means = "The specimen relaxes over many decades as a power of time.",
-             .seen_by = "holds and ramps over several decades of time",
+             .seen_by = "dwells and ramps over several decades of time",
              .n_parameters = 2,
              .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE_1_S, .strength = true},
                            {"exponent", 1, 0.02, 0.9, 0.2, .strength = false}},

@@ -11,7 +11,7 @@ const effect_row effect_relaxation_arm = {
              .name = "another relaxation time",
              .place = PALP_EFFECT_SPECIMEN,
              .means = "The specimen relaxes with one more relaxation time.",
-             .seen_by = "holds as long as the time, ramps as short",
+             .seen_by = "dwells as long as the time, ramps as short",
              .n_parameters = 2,
              .parameter = {{"stiffness_N", 1, 0, 1e12, 1, .scale = PALP_SCALE_FORCE, .strength = true},
                            {"time_s", 1, 1e-12, 1e12, 10, .scale = PALP_SCALE_TIME, .logarithmic = true}},

@@ -14,7 +14,7 @@ const effect_row effect_strain_dependent_arm = {
              .name = "strain-dependent arms",
              .place = PALP_EFFECT_SPECIMEN,
              .means = "How stiff the arms are, or how fast they relax, depends on strain.",
-             .seen_by = "holds at several depths",
+             .seen_by = "dwells at several depths",
              .n_parameters = 2,
              .parameter = {{"stiffness_per_strain", 1, -0.95, 100, 1, .strength = true},
                            {"time_per_strain", 1, -0.95, 100, 1, .strength = true}},

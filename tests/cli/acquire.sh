@@ -80,7 +80,7 @@ near "depth in the hold" "$hold" 4 0 0.01
 near "force in the hold" "$force" 1.6 0.05
 expect 0 characterize runs/*.csv --arms 1 --degree 2 --json
 [ "$(grep -c 'ramp and hold to' err)" -eq 3 ] || fail "characterize: $(cat err)"
-grep -q "ended early" err && fail "characterize: a fault where there is none"
+grep -q "cut short" err && fail "characterize: a fault where there is none"
 wrong 1 "is there already: name another --out, or give --force" $H --ramp-hold 4 --out runs
 expect 0 acquire $H $short --static --depth-mm 2 --rate-mm-s 2 --raw --out runs --force
 head -n 1 runs/static_2mm.csv | grep -q '^# palpate.experiment: 1$' || fail "first line"
@@ -109,8 +109,8 @@ expect 0 acquire --port rig --specimen rigid --firmware host $short --static --d
 expect 0 characterize runs/ramp_hold_4mm.csv --arms 1 --degree 2 --out alone.json
 expect 0 characterize runs/ramp_hold_4mm.csv block/static_0.05mm.csv seed/air_before.csv --arms 1 --degree 2 --out beside.json
 cmp alone.json beside.json || fail "characterize: what is no specimen's counts"
-grep -qF 'block/static_0.05mm.csv: no specimen in it ("rigid"); left out' err || fail "characterize, a block: $(cat err)"
-grep -qF 'seed/air_before.csv: no specimen in it ("none"); left out' err || fail "characterize, air: $(cat err)"
+grep -qF 'block/static_0.05mm.csv: left out, as it has no specimen (specimen.kind is "rigid")' err || fail "characterize, a block: $(cat err)"
+grep -qF 'seed/air_before.csv: left out, as it has no specimen (specimen.kind is "none")' err || fail "characterize, air: $(cat err)"
 expect 1 characterize block/static_0.05mm.csv seed/air_before.csv
 grep -q "no recording of a specimen among the 2 given" err || fail "characterize of nothing: $(cat err)"
 expect 0 report runs/ramp_hold_4mm.csv seed/air_before.csv --out page.html
@@ -128,7 +128,7 @@ for f in over_force over_travel over_temperature following_error sensor_silent s
     [ $f != stream_overflow ] || until=-62 # or else it could not say so
     expect 4 acquire $H $short --ramp-hold 2 --hold-s 80 --host-timeout-s 5 --inject $f@60$until --out $f
     [ "$(grep -c "the device stopped: $f " err)" -eq 1 ] && [ "$(wc -l <err)" -eq 2 ] || { fail "$f:"; cat err; }
-    grep -q "$f/ramp_hold_2mm.csv holds what came before" err || fail "$f: the file is not named"
+    grep -q "$f/ramp_hold_2mm.csv has the samples before it" err || fail "$f: the file is not named"
     [ "$(fault $f/ramp_hold_2mm.csv)" = "\"$f\"" ] || fail "$f: end.fault $(fault $f/ramp_hold_2mm.csv)"
     [ "$(rows $f/ramp_hold_2mm.csv)" -gt 1000 ] || fail "$f: $(rows $f/ramp_hold_2mm.csv) rows"
 done
@@ -176,7 +176,7 @@ await grown unplugged/ramp_hold_2mm.csv 100000
 kill $rig
 wait $!
 [ $? -eq 1 ] || fail "unplugged: exit code"
-grep -q "has closed.*, run 1 of 1; what came is in unplugged/ramp_hold_2mm.csv" err || fail "unplugged: $(cat err)"
+grep -q "has closed.*, run 1 of 1; the samples so far are in unplugged/ramp_hold_2mm.csv" err || fail "unplugged: $(cat err)"
 [ "$(fault unplugged/ramp_hold_2mm.csv)" = '"disconnected"' ] || fail "unplugged: $(fault unplugged/ramp_hold_2mm.csv)"
 
 # ---- a creep run: to a force, held while the depth grows ----
@@ -213,7 +213,7 @@ for c in 0.004 0.001; do # as stiff as it may be, and stiffer
     "$PALPATE" acquire $H --specimen rigid --specimen-height-mm 5 --compliance-mm-N $c --contact-mm 2 --protocol forced.json --out stiff$c 2>err
     [ $? -eq "$([ $c = 0.001 ] && echo 1 || echo 0)" ] || fail "a force on $c mm/N: $(cat err)"
 done
-grep -q 'refuses forced: control of force is not stable on the .* N/m' err || fail "a specimen too stiff for a force: $(cat err)"
+grep -q 'refuses forced: force control is not stable at the measured stiffness of .* N/m' err || fail "a specimen too stiff for a force: $(cat err)"
 awk -F, '/^[0-9]/ && $1 > 6 && $1 < 20 { n++; if ($3 < 4.9 || $3 > 5.1) exit 1 } END { exit !(n > 10000) }' stiff0.004/forced.csv || fail "5 N are not held on what is stiff"
 
 # ---- soft: found, or the reason why not ----
@@ -244,5 +244,5 @@ if "$PALPATE" rig --until-s 0.1 --firmware qemu >/dev/null 2>&1; then
     near "QEMU: tracking" "$(value out error_rms_mm)" 0 0 0.01
 fi
 expect 1 acquire $H --specimen rigid --specimen-height-mm 5 --static --depth-mm 0.02 --rate-mm-s 20 --out fast
-grep -q 'refuses static_0.02mm: it would move faster than 9.12 mm/s into its 1e+06 N/m' err || fail "a run that is too fast: $(cat err)"
+grep -q 'refuses static_0.02mm: it may move faster than 9.12 mm/s into a stiffness of 1e+06 N/m' err || fail "a run that is too fast: $(cat err)"
 done_testing

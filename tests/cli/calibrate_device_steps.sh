@@ -56,20 +56,20 @@ cp flash.bin before.bin
 for factor in 0.001 0.5 2 -1; do
     sign=$factor weigh --weights-g 50,100,200 && fail "masses $factor times what was named are kept"
     grep -q 'more than 20 % off' err || fail "$factor times the masses: $(cat err)"
-    grep -q -- '--large-change keeps it' err || fail "$factor times the masses: what would keep it is not told: $(cat err)"
+    grep -q -- '--large-change accepts the new sensitivity' err || fail "$factor times the masses: what would keep it is not told: $(cat err)"
     grep -q '"kept": false' out || fail "$factor times the masses: the result says that they are kept"
 done
 cmp -s flash.bin before.bin || fail "what is refused changes the flash"
 sign=1.15 weigh --weights-g 50,100,200 || fail "a change of 15 %: exit code $?"
 weigh --weights-g 50,100,200 || fail "and back: exit code $?"
 sign=-1 weigh --weights-g 50,100,200 --large-change || fail "weights the other way round: exit code $?"
-grep -q 'its sign is turned' err || fail "a sensor the wrong way round is not told: $(cat err)"
+grep -q 'has the wrong sign' err || fail "a sensor the wrong way round is not told: $(cat err)"
 weigh --weights-g 50,100,200 --large-change || fail "back: exit code $?" # what was turned is turned back
 sign=0 weigh --weights-g 50,100,200 && fail "no weights at all are taken for some"
-grep -q 'does not see the masses' err || fail "no weights: $(cat err)"
+grep -q 'does not change with the masses' err || fail "no weights: $(cat err)"
 expect 1 $D weights $H --weights-g 50,100 --yes </dev/null
 grep -q 'cancelled: nothing is changed' err || fail "the end of the input: $(cat err)"
-expect 2 $D weights $H; says "name two masses or more"
+expect 2 $D weights $H; says "give two masses or more"
 
 # ---- block, air, gains ----
 expect 0 $D block $H --specimen rigid --yes --json --out-folder steps

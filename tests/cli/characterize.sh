@@ -65,7 +65,7 @@ for runs in hold5.csv "first.csv second.csv" "second.csv first.csv"; do
     expect 0 characterize $runs static.csv --out halves.json
     cat halves.json >>halves
 done
-grep -q '^palpate characterize: second.csv: goes on where first.csv ends, and is taken as one run with it$' err || fail "the second half: $(cat err)"
+grep -q '^palpate characterize: second.csv: continues first.csv, and is joined to it as one run$' err || fail "the second half: $(cat err)"
 [ "$(sort -u halves | wc -l)" -eq "$(wc -l <halves.json)" ] || fail "a run in two files is another: $(cat halves)"
 
 # The written model answers as the phantom.
@@ -84,9 +84,9 @@ paste -d, a b | awk -F, '/^[0-9]/ { n++; in_it += $8 >= $4 && $8 <= $5; width = 
     END { if (n < 50 || bad || in_it < 0.8 * n) { print in_it " of " n " in the band, " bad " of odd width"; exit 1 } }' || fail "the band"
 grep -q '"force_high_N"' joint.json || fail "no band in the result"
 expect 1 simulate $L --protocol ramp_hold --depth-mm 5 --band
-says 'no "covariance"'
+says 'needs a "covariance"'
 expect 1 simulate $DATA/network_27.json --protocol ramp_hold --depth-mm 5 --hold-s 1 --band
-says 'no "covariance"'
+says 'needs a "covariance"'
 expect 2 simulate lumped.json --protocol creep --force-N 1 --band
 says '--band does not go with --protocol creep'
 
@@ -98,7 +98,7 @@ for f in static.csv hold?.csv; do
         /^[0-9]/ { if ($2 > -0.05) printf "%s,%.6f,%s\n", $1, $2 + s[i], $3; next } { print }' $f >off_$f
 done
 expect 0 characterize off_*.csv --arms 2 --contact-mm 0 --out found.json --json
-grep -qF "contacts differ from run to run by 0.1" err || fail "contacts: $(cat err)"
+grep -qF "contact differs between runs by 0.1" err || fail "contacts: $(cat err)"
 grep -q '"contact": "free"' out || fail "contact is not free"
 near "scatter of contacts" "$(value out contact_scatter_mm)" 0.115 0.15
 for model in found.json $L; do
@@ -108,7 +108,7 @@ done
 near "relaxed force with contacts found" "$(sed -n 1p relaxed)" "$(sed -n 2p relaxed)" 0.001
 expect 0 characterize off_*.csv --arms 2 --contact-mm 0 --contact known --json
 grep -q '"contact": "known"' out || fail "--contact known"
-grep -q "contacts differ" err && fail "--contact known found some"
+grep -q "contact differs" err && fail "--contact known found some"
 
 # Text; arms by number; shared only, single only; the seed's grid needs no smaller total residual.
 expect 0 characterize static.csv hold?.csv --arms 2
@@ -132,7 +132,7 @@ expect 0 characterize static.csv hold?.csv --arms 2 --json
 near "the law taken" "$(awk '/"law_scores"/ { on = 1 } on && /"taken": true/ { print n; exit } on && $1 == "\"parameters\":" { n = $2 + 0 }' out)" 5 0
 grep -A1 '"law": {' out | grep -q '"kind": "polynomial"' || fail "the law by evidence is no polynomial"
 expect 0 characterize hold5.csv --arms 2 --json
-grep -qF "one ramp to one depth at one speed: K(e) and arms faster than the ramp cannot be told apart" err || fail "one ramp: $(cat err)"
+grep -qF "one ramp to one depth at one speed cannot separate K(e) from arms faster than the ramp" err || fail "one ramp: $(cat err)"
 awk '/"law"/ { on = 1 } on && /"coefficients_N"/ { list = 1; next } list && /\]/ { exit } list { gsub(/[ ,]/, ""); c[n++] = $1 }
     END { e = 5 / 24; for (i = n; i-- > 0;) k = k * e + c[i]; exit !(n > 1 && k > 0.99 * 9.184 && k < 1.01 * 9.184) }' out || fail "one ramp: K at its depth"
 expect 0 characterize static.csv --degree 4 --json
@@ -199,7 +199,7 @@ expect 0 characterize heightless.csv --specimen-height-mm 24 --arms 2
 awk -F, '!/^[0-9]/ || $1 < 100 || $1 > 150' hold5.csv | sed '2i # end.fault: "samples_lost"' >hole.csv
 expect 0 characterize hole.csv --arms 2
 grep -Eq 'hole.csv: .* samples missing \([0-9]+ %\)' err || fail "no word of the hole: $(cat err)"
-grep -q "ended early" err && fail "it did not end early: $(cat err)"
+grep -q "cut short" err && fail "it did not end early: $(cat err)"
 ls | grep -q tmp && fail "a temporary file was left behind"
 
 expect 0 characterize static.csv hold?.csv --result result.json --report page.html --json

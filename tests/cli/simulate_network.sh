@@ -60,6 +60,6 @@ expect 0 simulate box.json --protocol static --depth-mm 3 --json
 [ "$(value out inverted)" = 0 ] && ! grep -q 'are inverted' err || fail "inverted at 3 mm: $(value out inverted), $(cat err)"
 expect 0 simulate box.json --protocol static --depth-mm 12 --branch stable --json
 inverted=$(value out inverted)
-[ "${inverted:-0}" -gt 0 ] || fail "not inside out at 12 mm: $inverted"
+[ "${inverted:-0}" -gt 0 ] || fail "not inverted at 12 mm: $inverted"
 grep -q "warning: up to $inverted of 384 tetrahedra of the mesh are inverted at once" err || fail "no warning: $(cat err)"
 done_testing

@@ -314,18 +314,18 @@ START_TEST(files) {
     }
     palp_reduced_free(copy);
     spoil(scratch_path("r.bin"), 5000, 1);
-    check_refused("another checksum");
+    check_refused("the wrong checksum");
     spoil(scratch_path("r.bin"), 5000, 1);
     spoil(scratch_path("r.bin"), 16, 1);
-    check_refused("other sizes");
+    check_refused("sizes that differ from the model's");
     spoil(scratch_path("r.bin"), 16, 1);
     spoil(scratch_path("r.bin"), 9, 1);
-    check_refused("order of bytes");
+    check_refused("byte order");
     spoil(scratch_path("r.bin"), 9, 1);
     ck_assert_int_eq(truncate(scratch_path("r.bin"), 1000), 0);
-    check_refused("another length");
+    check_refused("the wrong length");
     ck_assert_int_eq(truncate(scratch_path("r.bin"), 4), 0);
-    check_refused("are not the arrays");
+    check_refused("are not those of a reduced model");
     ck_assert_int_eq(remove(scratch_path("r.bin")), 0);
     ck_assert_int_eq(palp_reduced_read(scratch_path("r.json"), NULL, NULL, &copy, &error), PALP_ERR_FILE);
     scratch_teardown();
