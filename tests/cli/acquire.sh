@@ -17,7 +17,7 @@ wrong 2 "name the device with --port" --static --depth-mm 3 --out x
 wrong 2 "say what the plate does by one of" --port rig --out x
 wrong 2 "say what the plate does by one of" --port rig --static --cycles 3 --depth-mm 3 --out x
 wrong 2 "--static needs --depth-mm" --port rig --static --out x
-wrong 2 "name a folder" --port rig --ramp-hold 2
+wrong 2 "name the folder of the recordings" --port rig --ramp-hold 2
 wrong 2 "--hold-s does not go with --static" --port rig --static --depth-mm 3 --hold-s 3 --out x
 wrong 2 "say the same thing" --port rig --ramp-hold 3 --ramp-s 1 --rate-mm-s 3 --out x
 wrong 2 "--noise-N needs --port rig" --port /dev/none --noise-N 0.1 --ramp-hold 3 --out x
@@ -205,7 +205,7 @@ ends command_out_of_range 0.68 0.75 --specimen-height-mm 0.7
 ends contact_lost 2 3.5 --inject contact_lost@20
 ends force_oscillates 2 4 --inject force_oscillates@20
 expect 1 acquire $H --contact-mm 2 --limit-travel-mm 4 --ramp-hold 3 --hold-s 1 --out forced --force
-grep -q 'ramp_hold_3mm goes to 3 mm, but' err || fail "a depth below the lowest place: $(cat err)"
+grep -q 'ramp_hold_3mm goes to a depth of 3 mm, but' err || fail "a depth below the lowest place: $(cat err)"
 forced 1 ', "deepest_mm": 0'
 wrong 1 "runs[0].segments[0].deepest_mm must be a number above 0" $H --protocol forced.json --out x
 forced 5
