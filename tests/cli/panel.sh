@@ -8,7 +8,7 @@ wrong() { # text, arguments...
     says "$text"
 }
 wrong "name the device with --port" --out x
-wrong "name a folder" --port rig
+wrong "name the folder of the recordings" --port rig
 wrong "--noise-N needs --port rig" --port /dev/none --noise-N 0.1 --out x
 expect 1 panel --port /dev/none --out x
 if grep -q "without libmicrohttpd" err; then

@@ -626,7 +626,7 @@ const half_of = e => (e.high - e.low) / 2;
 function estimates(caption, rows) {
   return table(caption, "parameter|value|95 % interval|~unit", list(rows).map(e => e.determined ?
     [e.name, digits(e.value, half_of(e)), `${digits(e.low, half_of(e))} to ${digits(e.high, half_of(e))}`, e.unit] :
-    [e.name, "not determined", `${short(e.low, 1)} to ${short(e.high, 1)}`, e.unit]));
+    [e.name, "not identifiable", `${short(e.low, 1)} to ${short(e.high, 1)}`, e.unit]));
 }
 
 function correlated(r) {
@@ -639,7 +639,7 @@ function correlated(r) {
 function per_depth(r) {
   const cell = (one, name) => {
     const e = list(one.estimates).find(e => e.name.split(" ")[0] === name);
-    return !e ? "-" : e.determined ? `${digits(e.value, half_of(e))} ± ${digits(half_of(e), half_of(e))}` : "not determined";
+    return !e ? "-" : e.determined ? `${digits(e.value, half_of(e))} ± ${digits(half_of(e), half_of(e))}` : "not identifiable";
   };
   const arms = [1, 2, 3, 4, 5].filter(j => list(r.per_depth).some(one => cell(one, `K_${j}`) !== "-"));
   return table("The hold of each depth alone", ["depth (mm)", "strain", "K_inf (N)", ...arms.flatMap(j => [`K_${j} (N)`, `b_${j} (N s)`]),
