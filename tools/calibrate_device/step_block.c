@@ -12,9 +12,7 @@ enum { MEAN = 50 /* ticks of a point */, DOWN = 1, UP = 3 /* of the segments */ 
 static const double FULL = 32767, SHARE = 0.4 /* of the highest force */, AIR_MM = 0.05, RAMP_S = 5,
                     HOLD_S = 1, BACK = 0.1;
 static const double SOFT_N_M = 1e4;
-static const double
-    LOADED = 0.1,
-    TURNED = 0.7; /* share of the force above which points count; below it friction is still reversing */
+static const double LOADED = 0.1, TURNED = 0.7; /* least share of the force; below it friction reverses */
 
 static bool move(acquire_run *r, double to_mm, double seconds) {
     acquire_motion m = r->motion;

@@ -138,8 +138,7 @@ int characterize_read(const characterize_options *o, characterize_state *s);  /*
 int characterize_model(const characterize_options *o, characterize_state *s); /* all fits */
 palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring,
                                                  size_t n_arms);
-size_t
-characterize_depths(const characterize_state *s); /* number of different depths of dwells, within 2 % */
+size_t characterize_depths(const characterize_state *s); /* different depths of dwells, within 2 % */
 int characterize_choose_law(const characterize_options *o, characterize_state *s); /* --law auto */
 int characterize_contacts(const characterize_options *o,
                           characterize_state *s); /* --contact; the runs' depths follow */
