@@ -156,7 +156,7 @@ static palp_status check_force_direction(const palp_recording *r, palp_error *er
     if (!(fabs(strongest) > 6.0 * r->noise_N))
         return palp_error_set(
             error, PALP_ERR_INPUT,
-            "%s: force_N never leaves its noise: no contact, or a dead sensor (a run in air "
+            "%s: force_N never exceeds its noise: no contact, or a dead sensor (a run in air "
             "has specimen.kind \"none\")",
             r->name);
     if (covariance_on_way(r, at) < 0.0)

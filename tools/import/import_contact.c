@@ -69,7 +69,7 @@ int import_signs(const import_options *o, import_source *s) {
     palp_press_free(&press);
     s->depth_sign = negated(o, "depth") ? -1 : 1;
     s->force_sign = negated(o, "force") ? -1 : 1;
-    s->sign_rule = o->negate ? "as asked for" : "as recorded: the force never leaves its noise";
+    s->sign_rule = o->negate ? "as asked for" : "as recorded: the force never exceeds its noise";
     if (o->negate && clear && s->depth_sign * travel_mm * s->force_sign * rise_N < 0)
         cli_warning(NAME, "%s: with --negate %s the force falls as the depth grows", s->file, o->negate);
     if (!o->negate && clear) {
