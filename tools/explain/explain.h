@@ -16,7 +16,7 @@ typedef struct explain_options {
     size_t n_words, max_effects, jobs, every; /* every: 0 = so many that EXPLAIN_ROWS remain */
     int contact;                              /* a palp_contact_form */
     double false_alarm, good_enough;
-    bool json;
+    bool json, likelihood;
     char command[CLI_COMMAND_MAX];
 } explain_options;
 

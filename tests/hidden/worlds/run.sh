@@ -1,6 +1,6 @@
 #!/bin/sh
 # run.sh: writes the cases of laboratories that are not ours, takes each the whole way (characterize, then explain), judges the answers.
-#   run.sh [--seed N] [--set all|quick|testers] [--jobs N] [--out DIR] [--oracle] [--report-only] [--print-table]
+#   run.sh [--seed N] [--set all|quick|testers] [--jobs N] [--out DIR] [--oracle] [--likelihood] [--report-only] [--print-table]
 # From any folder; PALPATE is the command (default: build/palpate of this tree), CC compiles the generator. A run that was interrupted
 # goes on in its --out while the seed, the set, the generator and the command are the same. See ../README.md.
 set -u
@@ -13,7 +13,7 @@ if [ "${1-}" = one ]; then # from xargs: folder, options of characterize: the wh
     [ ! -e done ] || exit 0
     ulimit -t 900
     "$PALPATE" characterize run_*.csv "$@" --out model.json --force >characterize.log 2>&1 </dev/null &&
-        "$PALPATE" explain --model model.json run_*.csv --jobs 1 --result result.json --out explained.json --force >explain.log 2>&1 </dev/null
+        "$PALPATE" explain --model model.json run_*.csv --jobs 1 $LIKELIHOOD --result result.json --out explained.json --force >explain.log 2>&1 </dev/null
     echo $? >done
     exit 0
 fi
@@ -27,7 +27,7 @@ fi
 
 same() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; } # whether FILE says TEXT
 
-seed=1 set=all jobs=$(nproc) out='' oracle='' judge=''
+seed=1 set=all jobs=$(nproc) out='' oracle='' judge='' LIKELIHOOD=
 while [ $# -gt 0 ]; do
     case $1 in
     --seed) seed=$2; shift ;;
@@ -35,6 +35,7 @@ while [ $# -gt 0 ]; do
     --jobs) jobs=$2; shift ;;
     --out) out=$2; shift ;;
     --oracle) oracle=1 ;;
+    --likelihood) LIKELIHOOD=--likelihood ;;
     --report-only | --print-table) judge="$judge $1" ;;
     *) sed -n '2,6s/^# //p' "$0"; exit 2 ;;
     esac
@@ -42,7 +43,7 @@ while [ $# -gt 0 ]; do
 done
 [ -x "$PALPATE" ] || { echo "run.sh: no command at $PALPATE; run make, or set PALPATE"; exit 1; }
 PALPATE=$(cd "$(dirname "$PALPATE")" && pwd)/$(basename "$PALPATE")
-export PALPATE OMP_THREAD_LIMIT=1 OPENBLAS_NUM_THREADS=1 LC_ALL=C
+export PALPATE LIKELIHOOD OMP_THREAD_LIMIT=1 OPENBLAS_NUM_THREADS=1 LC_ALL=C
 if [ -z "$out" ]; then
     out=$(mktemp -d)
     trap 'rm -rf "$out"' EXIT
@@ -60,7 +61,7 @@ if ! same "$out/made" "$cases"; then
     }
     echo "$cases" >"$out/made"
 fi
-tool=$(cksum <"$PALPATE")
+tool="$(cksum <"$PALPATE") $LIKELIHOOD"
 same "$out/asked" "$tool" || (cd "$out/cases" && rm -f case_*/done case_*/model.json case_*/result.json case_*/oracle.json)
 echo "$tool" >"$out/asked"
 

@@ -1,0 +1,24 @@
+/* infer.h: palp_explain by one likelihood (doc/likelihood.md): what the model does not follow is part of it,
+ * and effects are believed by the log odds of their evidence. It is to replace palp_explain's own search. May
+ * change. */
+#ifndef PALPATE_INFER_H
+#define PALPATE_INFER_H
+
+#include <palpate/explain.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* As palp_explain, for a lumped model. Its law becomes a spline of 16 knots, whose smoothness the runs tell.
+ * Of the explanation it leaves the steps, the next run and the specimens at 0;
+ * candidate.score and evidence are log odds and gains of log evidence, nats. Settings that it uses:
+ * max_effects, false_alarm, candidate, held_out, loop, stop. ERR_UNSUPPORTED: a network. */
+PALP_API palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_input *inputs,
+                                const palp_explain_settings *settings, palp_explanation *explanation,
+                                palp_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,413 @@
+/* infer_fit.c: a model in search coordinates with its columns, and its most probable parameters. */
+#include "infer_internal.h"
+#include "base/dense.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double TURN = 6.28318530717958647692;
+static const double WIDE = 3.0; /* prior sd of a logarithm: a factor of 20 */
+
+static size_t samples(const explain_data *data) {
+    return data->n;
+}
+
+/* The spline law through the given one. */
+static palp_status spline_of(const palp_law *law, double deepest, palp_law *spline) {
+    double strain[INFER_KNOTS], stiffness[INFER_KNOTS], typical;
+    palp_law_stiffness(law, deepest, &typical, NULL);
+    for (size_t i = 0; i < INFER_KNOTS; i++) {
+        strain[i] = deepest * (double)i / (INFER_KNOTS - 1);
+        palp_law_stiffness(law, strain[i], &stiffness[i], NULL);
+        stiffness[i] = fmax(stiffness[i], 1e-3 * fabs(typical));
+    }
+    return palp_law_spline(INFER_KNOTS, strain, stiffness, spline);
+}
+
+static void set_priors(infer_fit *fit, const explain_data *data) {
+    const palp_material *m = &fit->c.model.material;
+    const bool spline = m->law.kind == PALP_LAW_SPLINE;
+    const size_t effects = m->law.n + 2 * m->n_arms;
+    for (size_t a = 0; a < fit->k; a++) {
+        fit->given[a] = fit->c.x[a];
+        fit->width[a] = fit->c.logarithmic[a] || a >= effects ? WIDE : fit->c.unit[a];
+    }
+    for (size_t a = 0; a < m->law.n && spline; a++) {
+        fit->c.logarithmic[a] = true;
+        fit->c.x[a] = fit->given[a] = log(m->law.coefficients[a]);
+        fit->c.low[a] = fit->c.x[a] - 5.0 * WIDE;
+        fit->c.high[a] = fit->c.x[a] + 5.0 * WIDE;
+        fit->width[a] = WIDE;
+    }
+    size_t a = effects;
+    for (size_t i = 0; i < fit->c.model.n_effects; i++) {
+        const effect_row *row = effect_row_of(fit->c.model.effects[i].id);
+        for (size_t p = 0; p < row->info.n_parameters; p++, a++) {
+            const palp_effect_parameter *q = &row->info.parameter[p];
+            const double range = fit->c.high[a] - fit->c.low[a];
+            if (q->strength && !fit->c.logarithmic[a]) {
+                fit->given[a] = fit->width[a] = 0.0;
+                continue;
+            }
+            fit->given[a] = isfinite(range) ? 0.5 * (fit->c.high[a] + fit->c.low[a]) : fit->c.x[a];
+            fit->width[a] = isfinite(range) ? fmax(range / sqrt(12.0), 1e-9) : fit->c.unit[a];
+        }
+    }
+    (void)data;
+}
+
+/* Noise as the samples show it, discrepancies of about a tenth of it, scatters of a percent: a first guess of
+ * what is learned. */
+static void first_sizes(infer_fit *fit, const explain_data *data) {
+    const double white = data->run[0].white;
+    fit->noise.white = white;
+    fit->noise.depth = 1e-3 * white * data->deepest / data->peak;
+    const double shortest = 4.0 * data->step, longest = data->duration;
+    for (int a = 0; a < INFER_SLOW; a++) {
+        fit->noise.slow[a] = 0.3 * white;
+        fit->noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
+    }
+    const double guess = fmax(white, 0.01 * data->peak);
+    fit->sizes = (infer_sizes){.bend = 0.1};
+    fit->sizes.own[INFER_ZERO] = white;
+    fit->sizes.own[INFER_CONTACT] = 0.01 * data->deepest;
+    fit->sizes.own[INFER_GAIN] = data->n_runs > 1 ? 0.01 : 0.0;
+    for (size_t d = 0; d < INFER_DOMAINS; d++)
+        for (size_t l = 0; l < INFER_LENGTHS; l++) {
+            fit->sizes.common[d][l] = guess;
+            fit->sizes.each[d][l] = data->n_runs > 1 ? guess : 0.0;
+        }
+}
+
+palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
+                             infer_fit *fit) {
+    palp_model splined = *model;
+    memset(fit, 0, sizeof *fit);
+    palp_status status = PALP_OK;
+    if (model->kind == PALP_MODEL_LUMPED && model->material.law.kind != PALP_LAW_SPLINE)
+        status = spline_of(&model->material.law, data->deepest / data->height, &splined.material.law);
+    if (!status)
+        status = explain_fit_create(&splined, data, &fit->c);
+    if (status)
+        return status;
+    fit->k = fit->c.n_columns;
+    fit->m = fit->k + INFER_BLOCK + 1;
+    fit->raw = malloc((samples(data) * fit->m + data->n_runs * fit->m * fit->m) * sizeof *fit->raw);
+    if (!fit->raw) {
+        infer_fit_free(fit);
+        return PALP_ERR_NO_MEMORY;
+    }
+    fit->product = fit->raw + samples(data) * fit->m;
+    first_sizes(fit, data);
+    set_priors(fit, data);
+    if (like) {
+        fit->noise = like->noise;
+        fit->sizes = like->sizes;
+        fit->c.hum_Hz = like->c.hum_Hz;
+        fit->c.renewed = like->c.renewed;
+        memcpy(fit->c.contact, like->c.contact, 2 * data->n_runs * sizeof *fit->c.contact);
+        const size_t plain = fit->c.model.material.law.n + 2 * fit->c.model.material.n_arms;
+        memcpy(fit->given, like->given, plain * sizeof *fit->given);
+        memcpy(fit->c.low, like->c.low, plain * sizeof *fit->given);
+        memcpy(fit->c.high, like->c.high, plain * sizeof *fit->given);
+    }
+    return PALP_OK;
+}
+
+palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to) {
+    const size_t room = samples(data) * from->m + data->n_runs * from->m * from->m;
+    *to = *from;
+    to->raw = malloc(room * sizeof *to->raw);
+    palp_status status = to->raw ? explain_fit_copy(&from->c, data->n_runs, &to->c) : PALP_ERR_NO_MEMORY;
+    if (status) {
+        free(to->raw);
+        return status;
+    }
+    memcpy(to->raw, from->raw, room * sizeof *to->raw);
+    to->product = to->raw + samples(data) * to->m;
+    return PALP_OK;
+}
+
+void infer_fit_free(infer_fit *fit) {
+    explain_fit_free(&fit->c);
+    free(fit->raw);
+    memset(fit, 0, sizeof *fit);
+}
+
+/* ---- columns ---- */
+
+/* The model with a contact offset and a gain, if need be at zero; a run's own contact and gain are theirs. */
+static palp_status augment(const palp_model *model, palp_model *full, size_t column[2]) {
+    static const palp_effect_id own[2] = {PALP_EFFECT_CONTACT_OFFSET, PALP_EFFECT_SENSOR_GAIN};
+    *full = *model;
+    for (int k = 0; k < 2; k++) {
+        size_t i = 0;
+        while (i < full->n_effects && full->effects[i].id != own[k])
+            i++;
+        if (i == PALP_EFFECTS_MAX)
+            return PALP_ERR_LIMIT;
+        if (i == full->n_effects)
+            palp_effect_default(own[k], &full->effects[full->n_effects++]);
+        column[k] = explain_first_column(full, i);
+    }
+    return PALP_OK;
+}
+
+/* Derivatives by the coordinates: of a stiffness and a viscosity those by its logarithm and that of its time.
+ */
+static void chain(const explain_fit *c, size_t n, double *gradient) {
+    const palp_material *m = &c->model.material;
+    for (size_t j = 0; j < m->n_arms; j++) {
+        double *k = gradient + (m->law.n + 2 * j) * n, *b = k + n;
+        for (size_t i = 0; i < n; i++) {
+            b[i] *= m->arms[j].viscosity_Ns;
+            k[i] = k[i] * m->arms[j].stiffness_N + b[i];
+        }
+    }
+    for (size_t k = 0; k < c->n_columns; k++) {
+        const bool arm = k >= m->law.n && k < m->law.n + 2 * m->n_arms;
+        for (size_t i = 0; i < n && c->logarithmic[k] && !arm; i++)
+            gradient[k * n + i] *= exp(c->x[k]);
+    }
+}
+
+/* gradient: [columns of the full model, n]; force: [n]. */
+static void take_columns(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
+                         double *gradient, const size_t column[2], double *out) {
+    const explain_run *run = &data->run[r];
+    const size_t n = run->n, k = fit->k;
+    double *own = out + k * n, *y = out + (fit->m - 1) * n;
+    memcpy(own + INFER_CONTACT * n, gradient + column[0] * n, n * sizeof *own);
+    memcpy(own + INFER_GAIN * n, gradient + column[1] * n, n * sizeof *own);
+    chain(&fit->c, n, gradient);
+    memcpy(out, gradient, k * n * sizeof *out);
+    for (size_t i = 0; i < n; i++) {
+        const double turn = TURN * fit->c.hum_Hz * run->time[i];
+        own[INFER_ZERO * n + i] = 1.0;
+        own[INFER_SINE * n + i] = fit->c.hum_Hz > 0.0 ? sin(turn) : 0.0;
+        own[INFER_COSINE * n + i] = fit->c.hum_Hz > 0.0 ? cos(turn) : 0.0;
+        y[i] = run->force[i] - force[i] + fit->c.contact[r] * own[INFER_CONTACT * n + i] +
+               fit->c.gain[r] * own[INFER_GAIN * n + i];
+    }
+    infer_hats(data, r, own + INFER_OWN * n);
+}
+
+palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
+    palp_model full;
+    size_t column[2];
+    palp_status status = augment(&fit->c.model, &full, column);
+    if (status)
+        return status;
+    const size_t columns = palp_forward_parameter_count(&full);
+    double *work = malloc((columns + 1) * data->longest * sizeof *work);
+    explain_history history = {.renewed = fit->c.renewed};
+    status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
+        palp_forward_run path = explain_forward_run(&data->run[r], fit->c.contact[r], &history);
+        palp_model own = full;
+        explain_add_gain(&own, fit->c.gain[r]);
+        double *gradient = work + data->run[r].n;
+        status = explain_predict(&own, &path, work, gradient, NULL);
+        if (!status)
+            take_columns(fit, data, r, work, gradient, column, fit->raw + at * fit->m);
+    }
+    palp_load_history_free(&history.load);
+    free(work);
+    return status ? status : infer_fit_products(fit, data);
+}
+
+/* Which columns of a run can have something: list[m], returns how many. */
+static size_t active_columns(const infer_fit *fit, size_t *list) {
+    size_t n = 0;
+    for (size_t a = 0; a < fit->m; a++) {
+        bool on = true;
+        if (a >= fit->k && a < fit->k + INFER_OWN)
+            on = fit->sizes.own[a - fit->k] > 0.0;
+        if (a >= fit->k + INFER_OWN && a + 1 < fit->m) {
+            const size_t d = (a - fit->k - INFER_OWN) / INFER_NODES;
+            on = fit->sizes.common[d][0] > 0.0 || fit->sizes.common[d][1] > 0.0 ||
+                 fit->sizes.each[d][0] > 0.0 || fit->sizes.each[d][1] > 0.0;
+        }
+        if (on)
+            list[n++] = a;
+    }
+    return n;
+}
+
+palp_status infer_fit_products(infer_fit *fit, const explain_data *data) {
+    const size_t m = fit->m, n_most = data->longest;
+    size_t list[EXPLAIN_COLUMNS + INFER_BLOCK + 1];
+    const size_t n_active = active_columns(fit, list);
+    double *block = malloc(((m + 2 * INFER_SLOW + 2) * n_most + INFER_SLOW * m + m * m) * sizeof *block);
+    if (!block)
+        return PALP_ERR_NO_MEMORY;
+    double *variance = block + m * n_most, *work = variance + n_most,
+           *small = work + (2 * INFER_SLOW + 1) * n_most + INFER_SLOW * m;
+    fit->log_noise = 0.0;
+    memset(fit->product, 0, data->n_runs * m * m * sizeof *fit->product);
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
+        const explain_run *run = &data->run[r];
+        const double *raw = fit->raw + at * m, *slope = raw + (fit->k + INFER_CONTACT) * run->n;
+        double *product = fit->product + r * m * m;
+        for (size_t i = 0; i < run->n; i++) {
+            const double s = slope[i] * fit->noise.depth;
+            variance[i] = fit->noise.white * fit->noise.white + s * s;
+        }
+        for (size_t a = 0; a < n_active; a++)
+            for (size_t i = 0; i < run->n; i++)
+                block[i * n_active + a] = raw[list[a] * run->n + i];
+        const double log_det =
+            infer_whiten(&fit->noise, run->n, run->time, variance, run->use, n_active, block, work);
+        fit->log_noise += run->held_out ? 0.0 : log_det;
+        memset(small, 0, n_active * n_active * sizeof *small);
+        dense_add_outer(n_active, n_active, run->n, 1.0, block, n_active, block, n_active, small, n_active);
+        for (size_t a = 0; a < n_active; a++)
+            for (size_t b = 0; b < n_active; b++)
+                product[list[a] * m + list[b]] = small[a * n_active + b];
+    }
+    free(block);
+    return PALP_OK;
+}
+
+palp_status infer_fit_score(infer_fit *fit, const explain_data *data) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(fit, data, &p);
+    if (!status)
+        fit->score = infer_log_evidence(fit, &p);
+    infer_posterior_free(&p);
+    return status;
+}
+
+/* ---- the most probable parameters ---- */
+
+typedef struct improvement {
+    infer_fit *fit;
+    const explain_data *data;
+    double log_noise; /* at the start: so that a unit changes nothing */
+} improvement;
+
+static palp_status evaluate(void *user, const double *x, double *h, double *g, double *chi2) {
+    improvement *i = user;
+    const size_t k = i->fit->k;
+    infer_posterior p;
+    memcpy(i->fit->c.x, x, k * sizeof *x);
+    palp_status status = explain_fit_to_model(&i->fit->c);
+    if (!status)
+        status = infer_fit_evaluate(i->fit, i->data);
+    if (!status)
+        status = infer_posterior_find(i->fit, i->data, &p);
+    if (status)
+        return status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
+    memcpy(h, p.normal, k * k * sizeof *h);
+    memcpy(g, p.pull, k * sizeof *g);
+    *chi2 = p.here + i->fit->log_noise - i->log_noise;
+    i->fit->score = infer_log_evidence(i->fit, &p);
+    infer_posterior_free(&p);
+    return PALP_OK;
+}
+
+static void keep(void *user) {
+    (void)user;
+}
+
+palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations) {
+    const size_t k = fit->k;
+    double *h = malloc((k * k + 2 * k) * sizeof *h), reach[EXPLAIN_COLUMNS], chi2;
+    if (!h)
+        return PALP_ERR_NO_MEMORY;
+    double *g = h + k * k, *x = g + k;
+    improvement i = {.fit = fit, .data = data, .log_noise = fit->log_noise};
+    memcpy(x, fit->c.x, k * sizeof *x);
+    palp_status status = evaluate(&i, x, h, g, &chi2);
+    for (size_t a = 0; a < k; a++)
+        reach[a] = fit->c.logarithmic[a] ? 1.0 : HUGE_VAL;
+    const levenberg problem = {.n = k,
+                               .evaluations = evaluations,
+                               .low = fit->c.low,
+                               .high = fit->c.high,
+                               .reach = reach,
+                               .stop_absolute = 0.02,
+                               .stop_relative = 1e-7,
+                               .stop_rise = 1e-3,
+                               .evaluate = evaluate,
+                               .keep = keep,
+                               .user = &i};
+    if (!status)
+        status = levenberg_solve(&problem, x, h, g, &chi2);
+    if (!status)
+        status = evaluate(&i, x, h, g, &chi2);
+    free(h);
+    return status;
+}
+
+/* Each run's surface, and its gain where a sensor bends, to where the posterior has it, at most a quarter of
+ * the depth away. */
+static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool *moved) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(fit, data, &p);
+    *moved = false;
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
+        double own[INFER_BLOCK];
+        status = infer_own(fit, &p, r, own, NULL);
+        if (status)
+            break;
+        const double most = 0.25 * data->deepest, to = fmin(most, fmax(-most, own[INFER_CONTACT]));
+        const double gain = explain_bends(&fit->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0;
+        *moved =
+            *moved ||
+            fabs(to - fit->c.contact[r]) > fmax(0.05 * fit->sizes.own[INFER_CONTACT], 1e-4 * data->deepest) ||
+            fabs(gain - fit->c.gain[r]) > 1e-3;
+        fit->c.contact[r] = to;
+        fit->c.gain[r] = gain;
+    }
+    infer_posterior_free(&p);
+    return status;
+}
+
+palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise) {
+    palp_status status = PALP_OK;
+    double last = -HUGE_VAL;
+    for (size_t i = 0; i < rounds && !status; i++) {
+        bool moved;
+        infer_sizes_begin_anew(fit, data);
+        status = infer_fit_improve(fit, data, i == 0 ? 12 : 5);
+        if (!status)
+            status = infer_sizes_learn(fit, data, 6);
+        if (!status && noise)
+            status = infer_noise_learn(fit, data, 60);
+        if (!status)
+            status = move_contacts(fit, data, &moved);
+        if (!status && moved)
+            status = infer_fit_evaluate(fit, data);
+        if (!status && moved)
+            status = infer_fit_score(fit, data);
+        if (!status && !moved && fabs(fit->score - last) < 0.1)
+            break;
+        last = fit->score;
+    }
+    return status;
+}
+
+palp_status infer_residual(const infer_fit *fit, const explain_data *data, double *residual,
+                           double *discrepancy) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(fit, data, &p);
+    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
+        const size_t n = data->run[r].n;
+        const double *raw = fit->raw + at * fit->m, *own_column = raw + fit->k * n;
+        double own[INFER_BLOCK];
+        status = infer_own(fit, &p, r, own, NULL);
+        for (size_t i = 0; i < n && !status; i++) {
+            double left = raw[(fit->m - 1) * n + i], taken = 0.0;
+            for (size_t a = 0; a < INFER_OWN; a++)
+                left -= own[a] * own_column[a * n + i];
+            for (size_t a = 0; a < INFER_HATS; a++)
+                taken += (own[INFER_OWN + a] + p.mean[a]) * own_column[(INFER_OWN + a) * n + i];
+            residual[at + i] = data->run[r].use[i] ? left : 0.0;
+            discrepancy[at + i] = taken;
+        }
+    }
+    infer_posterior_free(&p);
+    return status;
+}

@@ -1,0 +1,128 @@
+/* infer_internal.h: the likelihood of measured runs (doc/likelihood.md): a model in search coordinates, what
+ * each run has of its own, what the model does not follow, and the noise. Internal. */
+#ifndef INFER_INTERNAL_H
+#define INFER_INTERNAL_H
+
+#include "explain/explain_fit.h"
+
+/* What a run has of its own beside its discrepancy: zero, contact, gain, and the mains' sine and cosine. */
+enum { INFER_ZERO, INFER_CONTACT, INFER_GAIN, INFER_SINE, INFER_COSINE, INFER_OWN };
+
+/* Discrepancies are sums of hat functions over these, on grids of so many nodes. */
+enum { INFER_LOADING, INFER_UNLOADING, INFER_SINCE_TURN, INFER_DOMAINS };
+enum { INFER_NODES = 12, INFER_HATS = INFER_DOMAINS * INFER_NODES };
+enum { INFER_LENGTHS = 2 }; /* correlation lengths of each, as shares of the range: infer_lengths */
+enum { INFER_BLOCK = INFER_OWN + INFER_HATS };
+enum { INFER_SLOW = 4 };   /* processes of the correlated noise, from a few samples to the longest run */
+enum { INFER_KNOTS = 16 }; /* of the law */
+
+extern const double infer_lengths[INFER_LENGTHS];
+
+/* Standard deviations of what is independent from sample to sample and of what is correlated. */
+typedef struct infer_noise {
+    double white, depth;                       /* N; of the recorded depth, m */
+    double slow[INFER_SLOW], time[INFER_SLOW]; /* N, s: Ornstein-Uhlenbeck processes */
+} infer_noise;
+
+/* Prior standard deviations; 0 = there is none of it. */
+typedef struct infer_sizes {
+    double own[INFER_OWN];                       /* sine and cosine alike */
+    double common[INFER_DOMAINS][INFER_LENGTHS]; /* discrepancy of all runs, N */
+    double each[INFER_DOMAINS][INFER_LENGTHS];   /* of each run, N */
+    double bend;                                 /* of log K from knot to knot, second differences */
+} infer_sizes;
+
+/* One block of columns of a run: [k parameters | INFER_OWN | INFER_HATS | residual], each [n]. */
+typedef struct infer_fit {
+    explain_fit c; /* the model and its coordinates; its products are not used, its contacts are */
+    size_t k, m;   /* parameters; columns of a run: k + INFER_BLOCK + 1 */
+    infer_noise noise;
+    infer_sizes sizes;
+    double given[EXPLAIN_COLUMNS]; /* prior mean of each coordinate, */
+    double width[EXPLAIN_COLUMNS]; /* and its sd; 0: an effect's strength, see infer_prior */
+    double *raw;                   /* all runs' columns, run r at raw + first sample m */
+    double *product;               /* [n_runs m m] of the whitened ones */
+    double log_noise;              /* log determinant of the noise's covariance */
+    double score;                  /* log Z, nats */
+} infer_fit;
+
+/* What all runs together say of the common discrepancy (INFER_HATS) and then of the parameters (k), each
+ * run's own eliminated. */
+typedef struct infer_posterior {
+    size_t g;                        /* INFER_HATS + k */
+    double *factor;                  /* [g g] Cholesky factor of the posterior precision */
+    double *mean;                    /* [g] the common discrepancy, and the best step of the parameters */
+    double *normal, *pull;           /* [k k], [k] of the parameters, the common discrepancy eliminated, */
+    double here;                     /* and chi2 without a step */
+    double chi2, log_det, log_prior; /* with the step; of both precisions, with those of the runs' own */
+    double *memory;
+} infer_posterior;
+
+/* ---- noise (infer_noise.c) ---- */
+
+/* In place: rows x[count n], one a sample, in units of the innovations' sd, by one Kalman filter.
+ * variance[n]: what is independent from sample to sample. Samples without use become 0. work[n (2 INFER_SLOW
+ * + 1)
+ * + INFER_SLOW count]. Returns the log
+ * determinant. */
+double infer_whiten(const infer_noise *noise, size_t n, const double *time, const double *variance,
+                    const unsigned char *use, size_t count, double *x, double *work);
+
+/* ---- priors (infer_prior.c) ---- */
+
+/* Covariance [INFER_NODES INFER_NODES] of the hats of unit size at this length: Matern's of order 3/2. */
+void infer_matern(double length, double *covariance);
+
+/* Adds the prior's precision of one domain's hats, of these sizes, at a[0] of a matrix with n rows. Returns
+ * its log determinant; with no size at all the coefficients are held at 0. */
+double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *a);
+
+/* Precision q[k k] of the coordinates, about fit->given; returns its log determinant. */
+palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *q, double *log_det);
+
+/* ---- from the products (infer_normal.c) ---- */
+
+palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data, infer_posterior *p);
+void infer_posterior_free(infer_posterior *p);
+double infer_log_evidence(const infer_fit *fit, const infer_posterior *p);
+
+/* Run r's own at the posterior: mean[INFER_BLOCK], covariance[INFER_BLOCK INFER_BLOCK] (NULL: not wanted). */
+palp_status infer_own(const infer_fit *fit, const infer_posterior *p, size_t r, double *mean,
+                      double *covariance);
+
+/* ---- sizes (infer_sizes.c) ---- */
+
+/* Gives sizes that are 0 a small value again, before the columns are whitened. */
+void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data);
+
+/* So many rounds of the fixed point of restricted maximum likelihood for fit->sizes, from the products. */
+palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t rounds);
+
+/* fit->noise by NLopt at the columns at hand, with products and score. */
+palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations);
+
+/* ---- the fit (infer_fit.c) ---- */
+
+palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
+                             infer_fit *fit);
+palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to);
+void infer_fit_free(infer_fit *fit);
+
+/* Columns of fit->c.model, and their products; products of the columns at hand; the score of these. */
+palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data);
+palp_status infer_fit_products(infer_fit *fit, const explain_data *data);
+palp_status infer_fit_score(infer_fit *fit, const explain_data *data);
+palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations);
+
+/* Parameters, contacts and sizes in turn; with noise, that too. */
+palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise);
+
+/* What is left of all runs, [data->n]: beside the model and what the runs have of their own; and what the
+ * discrepancy takes of that. */
+palp_status infer_residual(const infer_fit *fit, const explain_data *data, double *residual,
+                           double *discrepancy);
+
+/* Hat functions of run r, [INFER_HATS n]. (infer_columns.c) */
+void infer_hats(const explain_data *data, size_t r, double *column);
+
+#endif

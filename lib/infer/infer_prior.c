@@ -1,0 +1,80 @@
+/* infer_prior.c: the priors of the coordinates and of the discrepancies. */
+#include "infer_internal.h"
+#include "base/dense.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const double infer_lengths[INFER_LENGTHS] = {0.5, 0.125};
+
+void infer_matern(double length, double *covariance) {
+    for (size_t i = 0; i < INFER_NODES; i++)
+        for (size_t j = 0; j < INFER_NODES; j++) {
+            const double apart = fabs((double)i - (double)j) / (INFER_NODES - 1);
+            const double x = sqrt(3.0) * apart / length;
+            covariance[i * INFER_NODES + j] = (1.0 + x) * exp(-x) + (i == j ? 1e-9 : 0.0);
+        }
+}
+
+double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *a) {
+    enum { N = INFER_NODES };
+    double sum[N * N] = {0.0}, one[N * N], inverse[N * N] = {0.0};
+    bool any = false;
+    for (int l = 0; l < INFER_LENGTHS; l++) {
+        infer_matern(infer_lengths[l], one);
+        for (size_t i = 0; i < N * N; i++)
+            sum[i] += size[l] * size[l] * one[i];
+        any = any || size[l] > 0.0;
+    }
+    for (size_t i = 0; i < N; i++)
+        inverse[i * N + i] = 1.0;
+    if (any) {
+        dense_cholesky(N, sum);
+        dense_cholesky_solve(N, sum, N, inverse);
+    }
+    for (size_t i = 0; i < N; i++)
+        for (size_t j = 0; j < N; j++)
+            a[i * n + j] += inverse[i * N + j];
+    return any ? -dense_log_determinant(N, sum) : 0.0;
+}
+
+/* r.m.s. force over r.m.s. column of parameter p: the strength that changes the forces by their own size. */
+static double strength_of(const infer_fit *fit, const explain_data *data, size_t p) {
+    double force = 0.0, column = 0.0;
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
+        const double *by = fit->raw + at * fit->m + p * data->run[r].n;
+        for (size_t i = 0; i < data->run[r].n; i++) {
+            force += data->run[r].force[i] * data->run[r].force[i];
+            column += by[i] * by[i];
+        }
+    }
+    return column > 0.0 ? sqrt(force / column) : HUGE_VAL;
+}
+
+palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *q, double *log_det) {
+    const size_t k = fit->k;
+    const bool spline = fit->c.model.material.law.kind == PALP_LAW_SPLINE;
+    memset(q, 0, k * k * sizeof *q);
+    for (size_t a = 0; a < k; a++) {
+        double sd = fit->width[a] > 0.0 ? fit->width[a] : strength_of(fit, data, a);
+        if (!isfinite(sd)) /* it changes nothing here: any value is as good */
+            sd = fit->c.unit[a];
+        q[a * k + a] = 1.0 / (sd * sd);
+    }
+    const double weight = 1.0 / (fit->sizes.bend * fit->sizes.bend);
+    for (size_t i = 1; spline && i + 1 < fit->c.model.material.law.n; i++) {
+        const double d[3] = {1.0, -2.0, 1.0};
+        for (size_t a = 0; a < 3; a++)
+            for (size_t b = 0; b < 3; b++)
+                q[(i - 1 + a) * k + i - 1 + b] += weight * d[a] * d[b];
+    }
+    double *copy = malloc(k * k * sizeof *copy);
+    if (!copy)
+        return PALP_ERR_NO_MEMORY;
+    memcpy(copy, q, k * k * sizeof *copy);
+    const bool definite = dense_cholesky(k, copy);
+    *log_det = definite ? dense_log_determinant(k, copy) : 0.0;
+    free(copy);
+    return definite ? PALP_OK : PALP_ERR_SINGULAR;
+}

@@ -1,0 +1,309 @@
+/* infer_search.c: effects of the catalogue added to a fit, one after the other, by log evidence. */
+#include "infer_search.h"
+#include "explain/explain_noise.h"
+#include "explain/explain_search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+double infer_threshold(const palp_explain_settings *settings) {
+    return log(1.0 / settings->false_alarm - 1.0);
+}
+
+/* What a candidate pays for being one of many. */
+static double price(const infer_search *s) {
+    double n = 0.0;
+    for (int i = 0; i < PALP_EFFECT_COUNT; i++)
+        n += s->settings->candidate[i] ? 1.0 : 0.0;
+    return log(fmax(1.0, n));
+}
+
+void infer_trials_free(infer_search *s) {
+    for (int i = 0; i < INFER_TRIALS; i++)
+        if (s->trial[i].fit.raw)
+            infer_fit_free(&s->trial[i].fit);
+    memset(s->trial, 0, sizeof s->trial);
+}
+
+void infer_search_free(infer_search *s) {
+    infer_trials_free(s);
+    if (s->fit.raw)
+        infer_fit_free(&s->fit);
+    free(s->residual);
+    s->residual = s->discrepancy = NULL;
+}
+
+size_t infer_added(const infer_search *s) {
+    return s->fit.c.model.n_effects - s->n_given + (s->fit.c.hum_Hz > 0.0);
+}
+
+palp_effect_id infer_added_id(const infer_search *s, size_t i) {
+    const size_t at = s->n_given + i;
+    return at < s->fit.c.model.n_effects ? s->fit.c.model.effects[at].id : effect_line();
+}
+
+/* ---- one candidate ---- */
+
+/* base with the effect at this start, its parameters those of base. */
+static palp_status added_at(const infer_search *s, const palp_effect *effect, bool renewed, infer_fit *fit) {
+    palp_model model = s->fit.c.model;
+    model.effects[model.n_effects++] = *effect;
+    palp_status status = infer_fit_create(&model, &s->data, &s->fit, fit);
+    if (status)
+        return status;
+    fit->c.renewed = renewed;
+    status = explain_fit_to_model(&fit->c);
+    if (!status)
+        status = infer_fit_evaluate(fit, &s->data);
+    if (!status)
+        status = infer_fit_score(fit, &s->data);
+    if (status)
+        infer_fit_free(fit);
+    return status;
+}
+
+/* In *best the one of the higher score; the other is freed. */
+static void take_better(infer_fit *fit, infer_fit *best) {
+    if (best->raw && !(fit->score > best->score)) {
+        infer_fit_free(fit);
+        return;
+    }
+    if (best->raw)
+        infer_fit_free(best);
+    *best = *fit;
+    memset(fit, 0, sizeof *fit);
+}
+
+/* The two starts that promise most; more of them are only looked at. */
+static palp_status enter(const infer_search *s, const palp_effect *start, bool renewed, infer_fit best[2]) {
+    infer_fit fit;
+    palp_status status = added_at(s, start, renewed, &fit);
+    if (status)
+        return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    if (best[0].raw && fit.score > best[0].score) {
+        take_better(&best[0], &best[1]);
+        best[0] = fit;
+    } else
+        take_better(&fit, best[0].raw ? &best[1] : &best[0]);
+    return PALP_OK;
+}
+
+static palp_status try_hum(const infer_search *s, infer_trial *t) {
+    if (s->fit.c.hum_Hz > 0.0)
+        return PALP_ERR_UNSUPPORTED;
+    double amplitude, hertz;
+    palp_status status = explain_line_in_time(&s->data, s->residual, &hertz, &amplitude);
+    if (!status)
+        status = infer_fit_copy(&s->fit, &s->data, &t->fit);
+    if (status)
+        return status;
+    t->fit.c.hum_Hz = hertz;
+    t->fit.sizes.own[INFER_SINE] = t->fit.sizes.own[INFER_COSINE] = amplitude;
+    status = infer_fit_evaluate(&t->fit, &s->data);
+    return status ? status : infer_fit_settle(&t->fit, &s->data, 2, false);
+}
+
+static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_trial *t) {
+    const palp_effect_info *info = palp_effect_look_up(id);
+    effect_starts starts;
+    infer_fit best[2] = {{.raw = NULL}, {.raw = NULL}};
+    if (!explain_carries(&s->fit.c.model, info) || (explain_has(&s->fit.c, id) && !info->repeats))
+        return PALP_ERR_UNSUPPORTED;
+    palp_status status = explain_starts_find(id, &s->data, s->residual, &starts, &t->reason);
+    for (size_t i = 0; !status && i < starts.n; i++) {
+        status = enter(s, &starts.effect[i], s->fit.c.renewed, best);
+        if (!status && explain_may_recover(&s->data, id))
+            status = enter(s, &starts.effect[i], !s->fit.c.renewed, best);
+    }
+    for (int i = 0; i < 2; i++) {
+        if (!best[i].raw)
+            continue;
+        palp_status settled = status ? status : infer_fit_settle(&best[i], &s->data, 2, false);
+        if (settled) {
+            infer_fit_free(&best[i]);
+            status = settled == PALP_ERR_NO_MEMORY ? settled : status;
+        } else
+            take_better(&best[i], &t->fit);
+    }
+    return status;
+}
+
+/* The arms driven by the elastic force where they follow the strain, and the reverse (Fung 1993, Eq. 3.77).
+ */
+static palp_status try_drive(const infer_search *s, infer_trial *t) {
+    palp_model model = s->fit.c.model;
+    if (model.material.n_arms == 0 || model.kind != PALP_MODEL_LUMPED)
+        return PALP_ERR_UNSUPPORTED;
+    model.material.quasi_linear = !model.material.quasi_linear;
+    palp_status status = infer_fit_create(&model, &s->data, &s->fit, &t->fit);
+    return status ? status : infer_fit_settle(&t->fit, &s->data, 3, false);
+}
+
+static void try_task(void *user, size_t i) {
+    infer_search *s = user;
+    infer_trial *t = &s->trial[i];
+    if (i < PALP_EFFECT_COUNT && !s->settings->candidate[i])
+        return;
+    t->tried = true;
+    t->gain = -HUGE_VAL;
+    if (s->settings->stop && s->settings->stop(s->settings->stop_user)) {
+        t->status = PALP_ERR_STOPPED;
+        return;
+    }
+    palp_status status = i == INFER_DRIVE                         ? try_drive(s, t)
+                         : effect_row_of((palp_effect_id)i)->line ? try_hum(s, t)
+                                                                  : try_effect(s, (palp_effect_id)i, t);
+    if (status && t->fit.raw)
+        infer_fit_free(&t->fit);
+    t->status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    t->gain = t->fit.raw ? t->fit.score - s->fit.score - price(s) : -HUGE_VAL;
+}
+
+static void finish_task(void *user, size_t i) {
+    infer_search *s = user;
+    infer_trial *t = &s->trial[i];
+    if (!t->fit.raw || !t->tried)
+        return;
+    infer_fit before;
+    palp_status status = infer_fit_copy(&t->fit, &s->data, &before);
+    if (!status) {
+        status = infer_fit_settle(&t->fit, &s->data, 1, true);
+        if (status || t->fit.score < before.score) {
+            infer_fit_free(&t->fit);
+            t->fit = before;
+        } else
+            infer_fit_free(&before);
+    }
+    t->status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    t->gain = t->fit.score - s->fit.score - price(s);
+}
+
+/* The finalists learn the noise too. */
+enum { FINALISTS = 3 };
+
+static palp_status each(infer_search *s, void (*task)(void *, size_t)) {
+    palp_status status[INFER_TRIALS] = {PALP_OK};
+    explain_each(s->settings, INFER_TRIALS, task, s, status);
+    for (int i = 0; i < INFER_TRIALS; i++)
+        if (s->trial[i].status)
+            return s->trial[i].status;
+    return PALP_OK;
+}
+
+palp_status infer_try_all(infer_search *s) {
+    infer_trials_free(s);
+    palp_status status = infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
+    if (!status)
+        status = each(s, try_task);
+    double least = HUGE_VAL;
+    for (int k = 0; k < FINALISTS && !status; k++) { /* the gain of the last finalist */
+        double next = -HUGE_VAL;
+        for (int i = 0; i < INFER_TRIALS; i++)
+            if (s->trial[i].fit.raw && s->trial[i].gain < least)
+                next = fmax(next, s->trial[i].gain);
+        least = next;
+    }
+    for (int i = 0; i < INFER_TRIALS; i++)
+        s->trial[i].tried = s->trial[i].tried && s->trial[i].gain >= least;
+    return status ? status : each(s, finish_task);
+}
+
+/* ---- sets ---- */
+
+/* INFER_TRIALS: there is none. */
+static int best_trial(const infer_search *s) {
+    int best = INFER_TRIALS;
+    for (int i = 0; i < INFER_TRIALS; i++)
+        if (s->trial[i].fit.raw && (best == INFER_TRIALS || s->trial[i].gain > s->trial[best].gain))
+            best = i;
+    return best;
+}
+
+static void take(infer_search *s, int id) {
+    infer_fit_free(&s->fit);
+    s->fit = s->trial[id].fit;
+    s->trial[id].fit.raw = NULL;
+}
+
+palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest) {
+    *rest = *full;
+    memset(rest->trial, 0, sizeof rest->trial);
+    memset(&rest->fit, 0, sizeof rest->fit);
+    rest->residual = malloc(2 * full->data.n * sizeof *rest->residual);
+    if (!rest->residual)
+        return PALP_ERR_NO_MEMORY;
+    rest->discrepancy = rest->residual + full->data.n;
+    palp_model model = full->fit.c.model;
+    const size_t at = full->n_given + i;
+    const bool hum = at >= model.n_effects;
+    for (size_t k = at; k + 1 < model.n_effects; k++)
+        model.effects[k] = model.effects[k + 1];
+    model.n_effects -= !hum;
+    palp_status status = infer_fit_create(&model, &full->data, &full->fit, &rest->fit);
+    if (!status && hum) {
+        rest->fit.c.hum_Hz = 0.0;
+        rest->fit.sizes.own[INFER_SINE] = rest->fit.sizes.own[INFER_COSINE] = 0.0;
+    }
+    infer_fit first;
+    if (!status) { /* sizes that the effect took to nothing begin anew */
+        palp_model plain = model;
+        status = infer_fit_create(&plain, &full->data, NULL, &first);
+    }
+    if (!status) {
+        const double hum_size = rest->fit.sizes.own[INFER_SINE];
+        rest->fit.sizes = first.sizes;
+        rest->fit.sizes.own[INFER_SINE] = rest->fit.sizes.own[INFER_COSINE] = hum_size;
+        infer_fit_free(&first);
+        status = infer_fit_evaluate(&rest->fit, &rest->data);
+    }
+    return status ? status : infer_fit_settle(&rest->fit, &rest->data, 3, true);
+}
+
+/* Takes out an effect that is not worth its price, or exchanges one for a better one. last: only what was
+ * added last is asked for. */
+static palp_status review(infer_search *s, bool *changed) {
+    palp_status status = PALP_OK;
+    *changed = false;
+    const size_t n = infer_added(s);
+    for (size_t i = 0; i < n && !status && !*changed; i++) {
+        infer_search rest;
+        status = infer_search_without(s, i, &rest);
+        const double stays = status ? 0.0 : s->fit.score - price(s) - rest.fit.score;
+        *changed = !status && stays < infer_threshold(s->settings);
+        if (!status && !*changed && n > 1) {
+            status = infer_try_all(&rest);
+            const int best = status ? INFER_TRIALS : best_trial(&rest);
+            *changed = best != INFER_TRIALS && best != (int)infer_added_id(s, i) &&
+                       rest.trial[best].gain > stays + infer_threshold(s->settings);
+            if (*changed)
+                take(&rest, best);
+        }
+        if (*changed) {
+            infer_fit_free(&s->fit);
+            s->fit = rest.fit;
+            rest.fit.raw = NULL;
+        }
+        infer_search_free(&rest);
+    }
+    return status;
+}
+
+palp_status infer_search_run(infer_search *s) {
+    palp_status status = PALP_OK;
+    for (size_t step = 0; step < 2 * s->settings->max_effects + 2 && !status; step++) {
+        if (infer_added(s) >= s->settings->max_effects)
+            break;
+        status = infer_try_all(s);
+        const int best = status ? INFER_TRIALS : best_trial(s);
+        if (best == INFER_TRIALS || !(s->trial[best].gain > infer_threshold(s->settings)))
+            break;
+        take(s, best);
+        bool changed;
+        status = infer_fit_settle(&s->fit, &s->data, 2, true);
+        if (!status)
+            status = review(s, &changed);
+    }
+    s->stopped = status == PALP_ERR_STOPPED;
+    return s->stopped ? PALP_OK : status;
+}

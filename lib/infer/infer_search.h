@@ -1,0 +1,46 @@
+/* infer_search.h: sets of effects compared by their evidence. Internal. */
+#ifndef INFER_SEARCH_H
+#define INFER_SEARCH_H
+
+#include "infer_internal.h"
+
+/* One effect more beside a fit. */
+typedef struct infer_trial {
+    bool tried;
+    infer_fit fit; /* fit.raw NULL: it could not be tried */
+    double gain;   /* in log evidence, less the logarithm of the number of candidates, nats */
+    const char *reason;
+    palp_status status;
+} infer_trial;
+
+/* The effects of the catalogue, and arms that are driven otherwise (quasi-linear or not). */
+enum { INFER_DRIVE = PALP_EFFECT_COUNT, INFER_TRIALS };
+
+typedef struct infer_search {
+    explain_data data;
+    const palp_explain_settings *settings;
+    size_t n_given;                 /* effects of the given model */
+    infer_fit fit;                  /* at hand */
+    double *residual, *discrepancy; /* [data.n] of it */
+    infer_trial trial[INFER_TRIALS];
+    bool stopped; /* by settings.stop: some candidates were not tried */
+} infer_search;
+
+/* Log odds above which a set of effects is preferred: that of no false alarm to one. */
+double infer_threshold(const palp_explain_settings *settings);
+
+/* Adds each candidate to the fit at hand; their trials are freed first. */
+palp_status infer_try_all(infer_search *s);
+void infer_trials_free(infer_search *s);
+
+/* Adds effects as long as one is worth it, takes out those that are not, exchanges one for a better one. */
+palp_status infer_search_run(infer_search *s);
+
+/* The search without added effect i; its trials are not done. */
+palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest);
+void infer_search_free(infer_search *s); /* but for its data */
+
+size_t infer_added(const infer_search *s); /* how many effects, the mains' hum the last */
+palp_effect_id infer_added_id(const infer_search *s, size_t i);
+
+#endif

@@ -1,0 +1,215 @@
+/* infer_sizes.c: sizes of scatters, discrepancies and noise by restricted maximum likelihood. */
+#include "infer_internal.h"
+#include "base/dense.h"
+
+#include <math.h>
+#include <nlopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of one size, summed over what has it: b' S^-1 C S^-1 b, and what is expected of it. The restricted
+ * likelihood is largest where both are equal (Harville, J. Am. Stat. Assoc. 72 (1977) 320). */
+typedef struct pair {
+    double found, expected;
+} pair;
+
+/* One coefficient: posterior mean and variance. */
+static void add_scalar(pair *s, double sd, double mean, double variance) {
+    const double prior = sd * sd;
+    s->found += mean * mean / (prior * prior);
+    s->expected += 1.0 / prior - variance / (prior * prior);
+}
+
+/* One domain's hats: mean[NODES], covariance v with rows of n. */
+static void add_hats(pair s[INFER_LENGTHS], const double size[INFER_LENGTHS], const double *mean,
+                     const double *v, size_t n) {
+    enum { N = INFER_NODES };
+    double inverse[N * N] = {0.0}, one[N * N], turned[N], left[N * N];
+    if (!(size[0] > 0.0 || size[1] > 0.0))
+        return;
+    infer_hats_precision(size, N, inverse);
+    dense_times(N, N, 1.0, inverse, mean, 0.0, turned);
+    for (int l = 0; l < INFER_LENGTHS; l++) {
+        double pulled[N];
+        infer_matern(infer_lengths[l], one);
+        dense_times(N, N, 1.0, one, turned, 0.0, pulled);
+        s[l].found += dense_dot(N, turned, pulled);
+        dense_product(N, N, N, inverse, one, left);
+        double both[N * N];
+        dense_product(N, N, N, left, inverse, both);
+        for (size_t a = 0; a < N; a++)
+            for (size_t b = 0; b < N; b++)
+                s[l].expected += inverse[a * N + b] * one[b * N + a] - both[a * N + b] * v[b * n + a];
+    }
+}
+
+/* Moves a size towards where both are equal, at most tenfold in the square; below what can be seen it is 0.
+ */
+static void move(double *size, const pair *s, double least) {
+    if (!(*size > 0.0) || !(s->expected > 0.0))
+        return;
+    *size *= sqrt(fmin(10.0, fmax(0.1, s->found / s->expected)));
+    if (*size < least)
+        *size = 0.0;
+}
+
+/* Sums over the second differences of the law's coordinates, at the best step. */
+static void add_bends(pair *s, const infer_fit *fit, const double *step, const double *covariance) {
+    const size_t k = fit->k;
+    for (size_t i = 1; i + 1 < fit->c.model.material.law.n; i++) {
+        const double d[3] = {1.0, -2.0, 1.0};
+        double mean = 0.0, variance = 0.0;
+        for (size_t a = 0; a < 3; a++) {
+            mean += d[a] * (fit->c.x[i - 1 + a] + step[i - 1 + a] - fit->given[i - 1 + a]);
+            for (size_t b = 0; b < 3; b++)
+                variance += d[a] * d[b] * covariance[(i - 1 + a) * k + i - 1 + b];
+        }
+        add_scalar(s, fit->sizes.bend, mean, variance);
+    }
+}
+
+static palp_status learn_once(infer_fit *fit, const explain_data *data, double *work) {
+    enum { B = INFER_BLOCK };
+    infer_posterior p;
+    pair own[INFER_OWN] = {{0.0, 0.0}}, each[INFER_DOMAINS][INFER_LENGTHS] = {{{0.0, 0.0}}},
+         common[INFER_DOMAINS][INFER_LENGTHS] = {{{0.0, 0.0}}}, bend = {0.0, 0.0};
+    palp_status status = infer_posterior_find(fit, data, &p);
+    if (status)
+        return status;
+    const size_t g = p.g, k = fit->k;
+    double mean[B], *covariance = work, *all = work + B * B, *theta = all + g * g;
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
+        if (data->run[r].held_out)
+            continue;
+        status = infer_own(fit, &p, r, mean, covariance);
+        for (size_t a = 0; a < INFER_OWN && !status; a++)
+            if (fit->sizes.own[a] > 0.0)
+                add_scalar(&own[a == INFER_COSINE ? INFER_SINE : a], fit->sizes.own[a], mean[a],
+                           covariance[a * B + a]);
+        for (size_t d = 0; d < INFER_DOMAINS && !status; d++) {
+            const size_t at = INFER_OWN + d * INFER_NODES;
+            add_hats(each[d], fit->sizes.each[d], mean + at, covariance + at * B + at, B);
+        }
+    }
+    memset(all, 0, g * g * sizeof *all);
+    for (size_t a = 0; a < g; a++)
+        all[a * g + a] = 1.0;
+    dense_cholesky_solve(g, p.factor, g, all);
+    for (size_t d = 0; d < INFER_DOMAINS; d++)
+        add_hats(common[d], fit->sizes.common[d], p.mean + d * INFER_NODES, all + d * INFER_NODES * (g + 1),
+                 g);
+    for (size_t a = 0; a < k; a++)
+        memcpy(theta + a * k, all + (INFER_HATS + a) * g + INFER_HATS, k * sizeof *theta);
+    if (fit->c.model.material.law.kind == PALP_LAW_SPLINE)
+        add_bends(&bend, fit, p.mean + INFER_HATS, theta);
+    infer_posterior_free(&p);
+    if (status)
+        return status;
+    const double n = (double)explain_samples(data), hidden = fit->noise.white / sqrt(n);
+    const double least[INFER_OWN] = {hidden, hidden / data->peak * data->deepest, hidden / data->peak, hidden,
+                                     hidden};
+    for (size_t a = 0; a < INFER_OWN; a++)
+        move(&fit->sizes.own[a], &own[a], least[a]);
+    fit->sizes.own[INFER_COSINE] = fit->sizes.own[INFER_SINE];
+    for (size_t d = 0; d < INFER_DOMAINS; d++)
+        for (size_t l = 0; l < INFER_LENGTHS; l++) {
+            move(&fit->sizes.each[d][l], &each[d][l], hidden);
+            move(&fit->sizes.common[d][l], &common[d][l], hidden);
+        }
+    move(&fit->sizes.bend, &bend, 0.0);
+    fit->sizes.bend = fmin(10.0, fmax(1e-4, fit->sizes.bend));
+    return PALP_OK;
+}
+
+/* What was nothing beside other parameters may be something beside these: it begins anew where it is barely
+ * seen. */
+void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data) {
+    const double small = 3.0 * fit->noise.white / sqrt((double)explain_samples(data));
+    const bool several = data->n_runs > 1;
+    const double own[INFER_GAIN + 1] = {small, small / data->peak * data->deepest,
+                                        several ? small / data->peak : 0.0};
+    for (size_t a = 0; a <= INFER_GAIN; a++)
+        fit->sizes.own[a] = fmax(fit->sizes.own[a], own[a]);
+    for (size_t d = 0; d < INFER_DOMAINS; d++)
+        for (size_t l = 0; l < INFER_LENGTHS; l++) {
+            fit->sizes.common[d][l] = fmax(fit->sizes.common[d][l], small);
+            fit->sizes.each[d][l] = fmax(fit->sizes.each[d][l], several ? small : 0.0);
+        }
+}
+
+palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t rounds) {
+    const size_t g = fit->k + INFER_HATS;
+    double *work = malloc((INFER_BLOCK * INFER_BLOCK + g * g + fit->k * fit->k) * sizeof *work);
+    palp_status status = work ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < rounds && !status; i++)
+        status = learn_once(fit, data, work);
+    free(work);
+    return status ? status : infer_fit_score(fit, data);
+}
+
+/* ---- noise ---- */
+
+typedef struct noise_search {
+    infer_fit *fit;
+    const explain_data *data;
+    infer_noise best;
+    double score;
+    palp_status status;
+} noise_search;
+
+enum { NOISES = 2 + INFER_SLOW };
+
+static void set_noise(const double *x, infer_noise *noise) {
+    noise->white = exp(x[0]);
+    noise->depth = exp(x[1]);
+    for (int a = 0; a < INFER_SLOW; a++)
+        noise->slow[a] = exp(x[2 + a]);
+}
+
+static double try_noise(unsigned n, const double *x, double *gradient, void *user) {
+    (void)n;
+    (void)gradient;
+    noise_search *s = user;
+    set_noise(x, &s->fit->noise);
+    palp_status status = infer_fit_products(s->fit, s->data);
+    if (!status)
+        status = infer_fit_score(s->fit, s->data);
+    if (status == PALP_ERR_NO_MEMORY)
+        s->status = status;
+    if (status)
+        return HUGE_VAL;
+    if (s->fit->score > s->score) {
+        s->score = s->fit->score;
+        s->best = s->fit->noise;
+    }
+    return -s->fit->score;
+}
+
+palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations) {
+    noise_search s = {.fit = fit, .data = data, .best = fit->noise, .score = fit->score};
+    double x[NOISES], low[NOISES], high[NOISES], step[NOISES], value;
+    const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
+    for (int a = 0; a < NOISES; a++) {
+        const double now = a == 0 ? fit->noise.white : a == 1 ? fit->noise.depth : fit->noise.slow[a - 2];
+        const double unit = a == 1 ? data->deepest / data->peak : 1.0;
+        low[a] = log((a == 0 ? 0.01 * data->run[0].white : hidden) * unit);
+        high[a] = log(data->peak * unit);
+        x[a] = fmin(high[a], fmax(low[a], log(now)));
+        step[a] = 1.0;
+    }
+    nlopt_opt o = nlopt_create(NLOPT_LN_SBPLX, NOISES);
+    if (!o)
+        return PALP_ERR_NO_MEMORY;
+    nlopt_set_lower_bounds(o, low);
+    nlopt_set_upper_bounds(o, high);
+    nlopt_set_initial_step(o, step);
+    nlopt_set_min_objective(o, try_noise, &s);
+    nlopt_set_ftol_abs(o, 0.05);
+    nlopt_set_maxeval(o, (int)evaluations);
+    nlopt_optimize(o, x, &value);
+    nlopt_destroy(o);
+    fit->noise = s.best;
+    if (!s.status)
+        s.status = infer_fit_products(fit, data);
+    return s.status ? s.status : infer_fit_score(fit, data);
+}

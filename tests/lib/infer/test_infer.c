@@ -1,0 +1,144 @@
+/* test_infer.c: effects hidden in samples, found by the odds of their evidence. */
+#include "forward_make.h"
+
+#include <palpate/infer.h>
+#include <palpate/random.h>
+
+enum { RUNS = 4, EACH = 220 };
+
+static palp_explain_input input[RUNS];
+
+/* Presses, dwells and withdrawals at several speeds and depths; forces and lengths in these units. */
+static void record(const palp_model *m, double force, double length) {
+    static samples s;
+    uint64_t noise = 4;
+    for (size_t r = 0; r < RUNS; r++) {
+        start(&s, 0, -1);
+        for (size_t i = 1; i < EACH; i++) {
+            const double up = (double)i / (20 + 25 * (double)r), down = (EACH - 15.0 - (double)i) / 40;
+            s.time_s[i] = 0.05 * (double)i;
+            s.depth_m[i] = 1e-3 * fmax(-1, (6 - 0.5 * (double)r) * fmin(1, fmin(up, down)) - 1);
+        }
+        s.n = EACH;
+        press_model(m, &s);
+        for (size_t i = 0; i < EACH; i++) {
+            s.force_N[i] = force * (s.force_N[i] + 2e-3 * palp_random_normal(&noise));
+            s.depth_m[i] *= length;
+        }
+        input[r] = (palp_explain_input){samples_experiment(&s), "run.csv"};
+    }
+}
+
+static void forget(void) {
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+/* The model as given is ten per cent off, in the same units. */
+static void ask(double force, double length, palp_explanation *e) {
+    palp_model m = lumped_model(1);
+    palp_error error = {.text = ""};
+    const palp_explain_settings s = palp_explain_settings_default();
+    ck_assert_int_eq(palp_law_scale(&m.material.law, 1.1 * force, &m.material.law), PALP_OK);
+    m.material.arms[0].stiffness_N *= force;
+    m.material.arms[0].viscosity_Ns *= 1.1 * force;
+    m.height_m *= length;
+    ck_assert_msg(palp_infer(&m, RUNS, input, &s, e, &error) == PALP_OK, "%s", error.text);
+}
+
+static const struct {
+    palp_effect_id id;
+    double strength;
+} hidden[] = {
+    {PALP_EFFECT_COULOMB_FRICTION, 0.02}, {PALP_EFFECT_SENSOR_LAG, 0.02}, {PALP_EFFECT_SENSOR_DRIFT, 4e-3}};
+
+static palp_model with(int i) {
+    palp_model m = lumped_model(1);
+    add_effect(&m, hidden[i].id, 0)->value[0] = hidden[i].strength;
+    return m;
+}
+
+START_TEST(nothing_hidden_nothing_named) {
+    palp_model truth = lumped_model(1);
+    palp_explanation e;
+    record(&truth, 1, 1);
+    ask(1, 1, &e);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_AGREES);
+    ck_assert_uint_eq(e.n_effects, 0);
+    ck_assert_double_eq_tol(e.white_N, 2e-3, 2e-4);
+    palp_explanation_free(&e);
+    forget();
+}
+END_TEST
+
+START_TEST(a_hidden_effect_is_named_with_its_interval) {
+    palp_model truth = with(_i);
+    palp_explanation e;
+    record(&truth, 1, 1);
+    ask(1, 1, &e);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, hidden[_i].id);
+    const double reach = 0.5 * (e.effect[0].high[0] - e.effect[0].low[0]) / 1.96; /* one sd */
+    ck_assert_double_le(fabs(e.effect[0].effect.value[0] - hidden[_i].strength), 3.0 * reach);
+    ck_assert_double_lt(e.effect[0].high[0] - e.effect[0].low[0], 0.5 * hidden[_i].strength);
+    ck_assert_double_gt(e.effect[0].evidence, 10);
+    palp_explanation_free(&e);
+    forget();
+}
+END_TEST
+
+/* Arms that the elastic force drives are another law, not an effect. */
+START_TEST(quasi_linear_arms_are_another_law) {
+    palp_model truth = lumped_model(1);
+    palp_explanation e;
+    truth.material.quasi_linear = true;
+    record(&truth, 1, 1);
+    ask(1, 1, &e);
+    ck_assert_uint_eq(e.n_effects, 0);
+    ck_assert(e.law.found);
+    ck_assert(e.model.material.quasi_linear);
+    palp_explanation_free(&e);
+    forget();
+}
+END_TEST
+
+/* The searches over sizes and noise end within a tolerance, in which the evidence may differ. */
+START_TEST(units_change_nothing) {
+    palp_model truth = with(0);
+    palp_explanation e, other;
+    record(&truth, 1, 1);
+    ask(1, 1, &e);
+    forget();
+    record(&truth, 1000, 10);
+    ask(1000, 10, &other);
+    forget();
+    ck_assert_int_eq(other.verdict, e.verdict);
+    ck_assert_uint_eq(other.n_effects, e.n_effects);
+    ck_assert_int_eq(other.effect[0].effect.id, e.effect[0].effect.id);
+    ck_assert_double_eq_tol(other.effect[0].effect.value[0], 1000 * e.effect[0].effect.value[0],
+                            1e-2 * other.effect[0].effect.value[0]);
+    ck_assert_double_eq_tol(other.effect[0].evidence, e.effect[0].evidence, 0.03 * e.effect[0].evidence);
+    palp_explanation_free(&e);
+    palp_explanation_free(&other);
+}
+END_TEST
+
+START_TEST(what_it_cannot_do_is_refused) {
+    palp_model m = lumped_model(1);
+    palp_explanation e;
+    const palp_explain_settings s = palp_explain_settings_default();
+    record(&m, 1, 1);
+    ck_assert_int_eq(palp_infer(&m, 0, input, &s, &e, NULL), PALP_ERR_ARGUMENT);
+    m.kind = PALP_MODEL_NETWORK;
+    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_ERR_UNSUPPORTED);
+    forget();
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, nothing_hidden_nothing_named);
+    tcase_add_loop_test(tc, a_hidden_effect_is_named_with_its_interval, 0, sizeof hidden / sizeof *hidden);
+    tcase_add_test(tc, quasi_linear_arms_are_another_law);
+    tcase_add_test(tc, units_change_nothing);
+    tcase_add_test(tc, what_it_cannot_do_is_refused);
+}

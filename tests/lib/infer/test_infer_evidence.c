@@ -1,0 +1,201 @@
+/* test_infer_evidence.c: the likelihood of doc/likelihood.md against the joint normal distribution of all
+ * samples, written out. */
+#include "base/dense.h"
+#include "forward_make.h"
+#include "infer/infer_internal.h"
+
+#include <palpate/random.h>
+
+enum { RUNS = 2, EACH = 90 };
+static const double NOISE = 0.01; /* N */
+
+static palp_explain_input input[RUNS];
+
+/* A ramp, a dwell and a way back, the second twice as fast. */
+static void record(const palp_model *m) {
+    static samples s;
+    uint64_t noise = 4;
+    for (size_t r = 0; r < RUNS; r++) {
+        start(&s, 0, 0);
+        for (size_t i = 1; i < EACH; i++) {
+            const double up = (double)i * (double)(r + 1) / 60, down = (EACH - 10.0 - (double)i) / 20;
+            s.time_s[i] = 0.05 * (double)i + (i % 7 ? 0 : 0.01);
+            s.depth_m[i] = 1e-3 * fmax(-0.5, 5 * fmin(1, fmin(up, down)));
+        }
+        s.n = EACH;
+        press_model(m, &s);
+        for (size_t i = 0; i < EACH; i++)
+            s.force_N[i] = s.force_N[i] + NOISE * palp_random_normal(&noise);
+        input[r] = (palp_explain_input){samples_experiment(&s), "run.csv"};
+    }
+}
+
+/* A fit with something of everything. */
+static void begin(explain_data *data, infer_fit *fit, palp_model *m) {
+    const palp_explain_settings settings = palp_explain_settings_default();
+    *m = lumped_model(1);
+    record(m);
+    ck_assert_int_eq(palp_law_scale(&m->material.law, 1.05, &m->material.law), PALP_OK);
+    add_effect(m, PALP_EFFECT_COULOMB_FRICTION, 0.1);
+    ck_assert_int_eq(explain_data_create(RUNS, input, &settings, m, data, NULL), PALP_OK);
+    ck_assert_int_eq(infer_fit_create(m, data, NULL, fit), PALP_OK);
+    fit->sizes.own[INFER_GAIN] = 0.02;
+    fit->noise.depth = 1e-6;
+    ck_assert_int_eq(infer_fit_evaluate(fit, data), PALP_OK);
+    ck_assert_int_eq(infer_fit_score(fit, data), PALP_OK);
+}
+
+static void end(explain_data *data, infer_fit *fit) {
+    infer_fit_free(fit);
+    explain_data_free(data);
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+/* Covariance of the noise alone between samples i and j of run r. */
+static double noise_between(const infer_fit *fit, const explain_data *data, size_t r, size_t i, size_t j) {
+    const explain_run *run = &data->run[r];
+    const double *slope = fit->raw + r * EACH * fit->m + (fit->k + INFER_CONTACT) * EACH;
+    double sum = i == j ? pow(fit->noise.white, 2) + pow(slope[i] * fit->noise.depth, 2) : 0;
+    for (size_t a = 0; a < INFER_SLOW; a++)
+        sum += pow(fit->noise.slow[a], 2) * exp(-fabs(run->time[i] - run->time[j]) / fit->noise.time[a]);
+    return sum;
+}
+
+/* Covariance of one set of hat coefficients. */
+static double hats_between(const double size[INFER_DOMAINS][INFER_LENGTHS], size_t a, size_t b) {
+    double matern[INFER_NODES * INFER_NODES], sum = 0;
+    if (a / INFER_NODES != b / INFER_NODES)
+        return 0;
+    for (int l = 0; l < INFER_LENGTHS; l++) {
+        infer_matern(infer_lengths[l], matern);
+        sum += pow(size[a / INFER_NODES][l], 2) * matern[a % INFER_NODES * INFER_NODES + b % INFER_NODES];
+    }
+    return sum;
+}
+
+/* Column a of sample i of run r. */
+static double column(const infer_fit *fit, size_t r, size_t a, size_t i) {
+    return fit->raw[r * EACH * fit->m + a * EACH + i];
+}
+
+/* Adds what parameters, hats and the runs' own do to all pairs of samples. */
+static void add_effects(const infer_fit *fit, const double *prior, double *c) {
+    const size_t n = RUNS * EACH, k = fit->k, hats = k + INFER_OWN;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            const size_t ri = i / EACH, rj = j / EACH, at = i % EACH, bt = j % EACH;
+            double sum = 0;
+            for (size_t a = 0; a < k; a++)
+                for (size_t b = 0; b < k; b++)
+                    sum += column(fit, ri, a, at) * prior[a * k + b] * column(fit, rj, b, bt);
+            for (size_t a = 0; a < INFER_HATS; a++)
+                for (size_t b = 0; b < INFER_HATS; b++)
+                    sum += column(fit, ri, hats + a, at) * column(fit, rj, hats + b, bt) *
+                           (hats_between(fit->sizes.common, a, b) +
+                            (ri == rj ? hats_between(fit->sizes.each, a, b) : 0));
+            for (size_t a = 0; a < INFER_OWN && ri == rj; a++)
+                sum += pow(fit->sizes.own[a], 2) * column(fit, ri, k + a, at) * column(fit, rj, k + a, bt);
+            c[i * n + j] += sum;
+        }
+}
+
+START_TEST(the_evidence_is_the_joint_normal_density) {
+    explain_data data;
+    infer_fit fit;
+    palp_model m;
+    begin(&data, &fit, &m);
+    const size_t n = RUNS * EACH, k = fit.k;
+    double *c = calloc(n * n + 2 * k * k + n, sizeof *c), *q = c + n * n, *prior = q + k * k,
+           *y = prior + k * k;
+    double log_det;
+    ck_assert_ptr_nonnull(c);
+    ck_assert_int_eq(infer_prior(&fit, &data, q, &log_det), PALP_OK);
+    for (size_t a = 0; a < k; a++)
+        prior[a * k + a] = 1;
+    ck_assert(dense_cholesky(k, q));
+    dense_cholesky_solve(k, q, k, prior);
+    for (size_t i = 0; i < n; i++) {
+        y[i] = column(&fit, i / EACH, fit.m - 1, i % EACH);
+        for (size_t a = 0; a < k; a++)
+            y[i] -= column(&fit, i / EACH, a, i % EACH) * (fit.given[a] - fit.c.x[a]);
+        for (size_t j = 0; j < n; j++)
+            c[i * n + j] =
+                i / EACH == j / EACH ? noise_between(&fit, &data, i / EACH, i % EACH, j % EACH) : 0;
+    }
+    add_effects(&fit, prior, c);
+    ck_assert(dense_cholesky(n, c));
+    dense_forward(n, c, 1, y);
+    const double expected = -0.5 * (dense_dot(n, y, y) + dense_log_determinant(n, c));
+    ck_assert_double_eq_tol(fit.score, expected, 1e-6 * fabs(expected));
+    free(c);
+    end(&data, &fit);
+}
+END_TEST
+
+START_TEST(the_noise_is_white_after_the_filter) {
+    explain_data data;
+    infer_fit fit;
+    palp_model m;
+    begin(&data, &fit, &m);
+    static double x[EACH * EACH], work[EACH * (2 * INFER_SLOW + 1 + INFER_SLOW)], variance[EACH],
+        c[EACH * EACH];
+    const explain_run *run = &data.run[1];
+    memset(x, 0, sizeof x);
+    for (size_t i = 0; i < EACH; i++) {
+        x[i * EACH + i] = 1; /* the filter's matrix, a row a sample */
+        variance[i] = noise_between(&fit, &data, 1, i, i);
+        for (size_t a = 0; a < INFER_SLOW; a++)
+            variance[i] -= pow(fit.noise.slow[a], 2);
+        for (size_t j = 0; j < EACH; j++)
+            c[i * EACH + j] = noise_between(&fit, &data, 1, i, j);
+    }
+    const double log_det = infer_whiten(&fit.noise, EACH, run->time, variance, run->use, EACH, x, work);
+    for (size_t i = 0; i < EACH; i++)
+        for (size_t j = 0; j < EACH; j++) {
+            double sum = 0;
+            for (size_t a = 0; a < EACH; a++)
+                for (size_t b = 0; b < EACH; b++)
+                    sum += x[i * EACH + a] * c[a * EACH + b] * x[j * EACH + b];
+            ck_assert_double_eq_tol(sum, i == j, 1e-9);
+        }
+    ck_assert(dense_cholesky(EACH, c));
+    ck_assert_double_eq_tol(log_det, dense_log_determinant(EACH, c), 1e-8);
+    end(&data, &fit);
+}
+END_TEST
+
+/* Twice or half of a learned size is less likely. One that goes to 0 does so slowly: a fifth of a nat is
+ * left. */
+START_TEST(learned_sizes_are_the_most_likely) {
+    explain_data data;
+    infer_fit fit, moved;
+    palp_model m;
+    begin(&data, &fit, &m);
+    ck_assert_int_eq(infer_fit_settle(&fit, &data, 3, false), PALP_OK);
+    ck_assert_int_eq(infer_sizes_learn(&fit, &data, 60), PALP_OK);
+    const size_t n = sizeof fit.sizes / sizeof(double);
+    size_t tried = 0;
+    for (size_t a = 0; a < n; a++)
+        for (int up = 0; up < 2; up++) {
+            ck_assert_int_eq(infer_fit_copy(&fit, &data, &moved), PALP_OK);
+            double *size = (double *)&moved.sizes + a;
+            tried += *size > 0;
+            *size *= up ? 2 : 0.5;
+            if (a == INFER_SINE || a == INFER_COSINE)
+                *size = 0;
+            ck_assert_int_eq(infer_fit_score(&moved, &data), PALP_OK);
+            ck_assert_msg(moved.score <= fit.score + 0.2, "size %zu of %g: %g more", a, *size,
+                          moved.score - fit.score);
+            infer_fit_free(&moved);
+        }
+    ck_assert_uint_ge(tried, 4);
+    end(&data, &fit);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, the_evidence_is_the_joint_normal_density);
+    tcase_add_test(tc, the_noise_is_white_after_the_filter);
+    tcase_add_test(tc, learned_sizes_are_the_most_likely);
+}
