@@ -22,10 +22,11 @@ PALP_API bool palp_tip_find(const char *name, palp_tip_kind *kind);
 
 /* A tip on an elastic layer; lengths in m. With all members after poisson zero, the tip slides without
  * friction on a wide bonded layer, at small strain. Other cases are interpolated in tables computed with
- * CalculiX (data/tips), for a bonded layer. ERR_UNSUPPORTED: a sphere or cone that sticks, or with a
- * specimen_radius_m. ERR_LIMIT beyond the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to 4
- * heights, a sphere of 0.3 to 4 thicknesses, a cone of 70 to 80 degrees. Below a Poisson's ratio of 0.3 the
- * tables' values at 0.3 are used. */
+ * CalculiX (data/tips), for a bonded layer. ERR_UNSUPPORTED: a sphere or cone that sticks. ERR_LIMIT beyond
+ * the tables: a flat punch of 0.2 to 2 thicknesses, a plate of 0.2 to 4 heights, a sphere of at most 4
+ * thicknesses, a cone of 70 to 80 degrees. The tables start at a Poisson's ratio of 0.3, go on along their
+ * slope to 0.25, and keep that value below it. A sphere of less than 0.3 thicknesses has the factor of large
+ * strain of one of 0.3 on the layer that is as much thinner. */
 typedef struct palp_indentation {
     palp_tip_kind tip;
     double radius_m;       /* flat punch, sphere: > 0. Plate: of the specimen, > 0 */
@@ -36,8 +37,9 @@ typedef struct palp_indentation {
                               sticks */
     bool tip_sticks;       /* flat: friction holds its face; plate: the specimen is glued to both plates */
     bool large_strain; /* a neo-Hookean layer; flat: to a depth of 0.2 thicknesses h and 0.25 radii; sphere:
-                          to 0.16 R h / (R + 0.1 h); cone: to 0.15 h; a plate stays linear */
-    double specimen_radius_m; /* flat: of the cylinder under it, not below its own; 0 = wide */
+                          to 0.16 R h / (R + 0.1 h), at most 0.4 R; cone: to 0.15 h; a plate stays linear */
+    double specimen_radius_m; /* flat, sphere, cone: of the cylinder under it, not below the contact's; 0 =
+                                 wide */
 } palp_indentation;
 
 /* Force divided by the shear modulus, force_m2[n], at depth_m[n]: times G in Pa it is the force in N. 0 at

@@ -30,7 +30,14 @@ typedef struct palp_mesh_source {
     double area_m2;                   /* of the scaling; 0 = the mesh's volume over its height */
 } palp_mesh_source;
 
-/* A model; a plain value of less than 2 KB. Lengths in metres here, in mm in the file. */
+/* The largest relative error of the force of a smooth sphere in a network, wherever it stands over the nodes
+ * (palpate calibrate --check). */
+enum { PALP_VALIDITY_MAX = 16 };
+typedef struct palp_validity {
+    double radius_m, depth_m, error;
+} palp_validity;
+
+/* A model; a plain value of less than 3 KB. Lengths in metres here, in mm in the file. */
 typedef struct palp_model {
     palp_model_kind kind;
     double height_m, radius_m; /* specimen; radius 0 = not given; a network's height may be 0 = that
@@ -50,7 +57,9 @@ typedef struct palp_model {
     /* [n n] covariance between specimens, if this is the mean of n_specimens; NULL = none; the caller's. */
     const double *between;
     size_t n_specimens; /* with between, 2 or more */
-    size_t n_effects;   /* what is added to the plain model; run by palp_forward_* */
+    size_t n_validity;  /* network only: the presses that it was checked by; 0 = it was not */
+    palp_validity validity[PALP_VALIDITY_MAX];
+    size_t n_effects; /* what is added to the plain model; run by palp_forward_* */
     palp_effect effects[PALP_EFFECTS_MAX];
 } palp_model;
 
@@ -77,6 +86,13 @@ PALP_API palp_status palp_model_read_between(const char *path, double **between,
  * way. total[n n] may be covariance itself. */
 PALP_API palp_status palp_model_unmeasured(size_t n, const double *covariance, const double *between,
                                            size_t n_specimens, double *total);
+
+/* What the force of a sphere of this radius is off by at this depth: the largest error of the checked presses
+ * next to it. A larger sphere than was checked counts as the largest, a shallower press as the shallowest.
+ * ERR_LIMIT: a smaller sphere or a deeper press than was checked; ERR_UNSUPPORTED: nothing was checked;
+ * ERR_ARGUMENT: radius_m <= 0, depth_m < 0. */
+PALP_API palp_status palp_model_tool_error(const palp_model *model, double radius_m, double depth_m,
+                                           double *error);
 
 /* Writes to a temporary name, then renames. A mesh file's relative path is rewritten so that it
  * holds from the folder of path. ERR_ARGUMENT for a model that could not be read again: numbers that

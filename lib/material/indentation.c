@@ -121,6 +121,29 @@ typedef struct contact {
     double depth_m, force_m2, slope_m;
 } contact;
 
+static palp_status solve_contact_of_radius(layer *l, const palp_indentation *in, double a, contact *c);
+
+/* What a specimen yields as a whole for lack of the tissue around it. Under a curved tip that is, per force,
+ * what it is under a flat punch as wide as the contact, or as the tables' smallest: it hardly depends on how
+ * the pressure is spread. */
+static palp_status add_narrowness(layer *l, const palp_indentation *in, double a, contact *c) {
+    palp_indentation flat = {.tip = PALP_TIP_FLAT,
+                             .radius_m = fmax(a, indentation_smallest_punch(in)),
+                             .thickness_m = in->thickness_m,
+                             .poisson = in->poisson};
+    contact wide = {0, 0, 0};
+    palp_status status = solve_contact_of_radius(l, &flat, flat.radius_m, &wide);
+    flat.specimen_radius_m = in->specimen_radius_m;
+    if (!status)
+        status = indentation_factor_check(&flat, 0.0);
+    if (status)
+        return status;
+    double more = (1.0 / indentation_factor(&flat, 0.0) - 1.0) / wide.slope_m;
+    c->depth_m += more * c->force_m2;
+    c->slope_m /= 1.0 + more * c->slope_m;
+    return PALP_OK;
+}
+
 static palp_status solve_contact_of_radius(layer *l, const palp_indentation *in, double a, contact *c) {
     double *one = l->solution, *shape = one + NODES, sum[2] = {0, 0},
            edge[2] = {1.0, tip_profile_transform(in, a)};
@@ -142,6 +165,8 @@ static palp_status solve_contact_of_radius(layer *l, const palp_indentation *in,
     c->depth_m = edge[1] / edge[0];
     c->slope_m = stiff * sum[0];
     c->force_m2 = stiff * (c->depth_m * sum[0] - sum[1]);
+    if (in->specimen_radius_m > 0 && in->tip != PALP_TIP_FLAT)
+        return add_narrowness(l, in, a, c);
     return PALP_OK;
 }
 

@@ -17,12 +17,16 @@ static double interpolate_polynomial_at(size_t n, const double *at, const double
     return sum;
 }
 
-/* Linear interpolation of compliance between Poisson's ratios; below the first one, its value. */
+/* The tables start at 0.3; they go on along their slope to the ratio of springs, 1/4, and keep that value
+ * below it. */
+static const double LEAST_NU = 0.25;
+
+/* Linear interpolation of compliance between Poisson's ratios. */
 static size_t find_poisson_interval(double poisson, double *part) {
     size_t i = 0;
     while (i + 2 < TABLE_NU && poisson >= table_nu[i + 1])
         i++;
-    *part = fmax((poisson - table_nu[i]) / (table_nu[i + 1] - table_nu[i]), 0.0);
+    *part = (fmax(poisson, LEAST_NU) - table_nu[i]) / (table_nu[i + 1] - table_nu[i]);
     return i;
 }
 
@@ -46,11 +50,17 @@ static double large_depth_factor(size_t nu, double ratio, double part) {
     return interpolate_over_ratio(row, ratio);
 }
 
+/* The thickness for which a tip has its factor. A sphere that is smaller than those of the tables hardly
+ * feels the floor: its factor is that of the smallest one on the layer that is as much thinner. */
+static double tabulated_thickness(const palp_indentation *in) {
+    return in->tip == PALP_TIP_SPHERE ? fmin(in->thickness_m, in->radius_m / SPHERE_LEAST) : in->thickness_m;
+}
+
 /* The largest depth of a tip that the fits cover. */
 static double deepest_tabulated_press(const palp_indentation *in) {
+    double h = tabulated_thickness(in);
     if (in->tip == PALP_TIP_SPHERE)
-        return SPHERE_DEPTH * in->radius_m * in->thickness_m /
-               (in->radius_m + SPHERE_SHARE * in->thickness_m);
+        return SPHERE_DEPTH * in->radius_m * h / (in->radius_m + SPHERE_SHARE * h);
     return in->tip == PALP_TIP_CONE ? CONE_DEPTH * in->thickness_m
                                     : fmin(0.2 * in->thickness_m, 0.25 * in->radius_m);
 }
@@ -59,9 +69,9 @@ static double deepest_tabulated_press(const palp_indentation *in) {
  * same terms. */
 static double large_curved(const palp_indentation *in, double depth_m) {
     double p = fmax(depth_m, 0.0) / deepest_tabulated_press(in),
-           n = 10.0 * (fmax(in->poisson, table_nu[0]) - 0.4), sum = 1.0;
+           n = 10.0 * (fmax(in->poisson, LEAST_NU) - 0.4), sum = 1.0;
     if (in->tip == PALP_TIP_SPHERE) {
-        double x = log(in->radius_m / in->thickness_m), s = sqrt(p),
+        double x = log(in->radius_m / tabulated_thickness(in)), s = sqrt(p),
                term[LARGE_TERMS] = {s, s * n, s * n * n, s * x, s * x * n, p, p * n, p * x, p * x * n};
         for (size_t i = 0; i < LARGE_TERMS; i++)
             sum += large_sphere[i] * term[i];
@@ -125,7 +135,7 @@ static bool is_tip_within_tables(const palp_indentation *in) {
     if (in->tip == PALP_TIP_PLATE)
         return ratio >= table_slender[0] && ratio <= table_slender[TABLE_SLENDER - 1];
     if (in->tip == PALP_TIP_SPHERE)
-        return ratio >= 0.999 * SPHERE_LEAST && ratio <= 1.001 * SPHERE_MOST;
+        return ratio <= 1.001 * SPHERE_MOST;
     if (in->tip == PALP_TIP_CONE)
         return tan(in->half_angle_rad) >= 0.999 * CONE_LEAST && tan(in->half_angle_rad) <= 1.001 * CONE_MOST;
     return ratio >= 0.999 * table_ratio[0] && ratio <= 1.001 * table_ratio[TABLE_RATIO - 1] &&
@@ -135,8 +145,10 @@ static bool is_tip_within_tables(const palp_indentation *in) {
 palp_status indentation_factor_check(const palp_indentation *in, double deepest_m) {
     if (!is_correction_wanted(in))
         return PALP_OK;
-    if (in->floor_slides || (is_sphere_or_cone(in) && (in->tip_sticks || in->specimen_radius_m > 0)))
+    if (in->floor_slides || (is_sphere_or_cone(in) && in->tip_sticks))
         return PALP_ERR_UNSUPPORTED;
+    if (is_sphere_or_cone(in) && !in->large_strain)
+        return PALP_OK; /* what is narrow is known by the punches as wide as its contacts */
     bool deep =
         in->large_strain && in->tip != PALP_TIP_PLATE && deepest_m > 1.001 * deepest_tabulated_press(in);
     return is_tip_within_tables(in) && !deep ? PALP_OK : PALP_ERR_LIMIT;
@@ -147,8 +159,12 @@ double indentation_factor(const palp_indentation *in, double depth_m) {
     if (!is_correction_wanted(in))
         return 1.0;
     if (is_sphere_or_cone(in))
-        return large_curved(in, depth_m);
+        return in->large_strain ? large_curved(in, depth_m) : 1.0;
     size_t nu = find_poisson_interval(in->poisson, &part);
     return 1.0 / ((1.0 - part) / factor_at_table_poisson(in, nu, depth_m) +
                   part / factor_at_table_poisson(in, nu + 1, depth_m));
+}
+
+double indentation_smallest_punch(const palp_indentation *in) {
+    return table_ratio[0] * in->thickness_m;
 }

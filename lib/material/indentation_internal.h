@@ -10,4 +10,7 @@ palp_status indentation_factor_check(const palp_indentation *indentation, double
 /* Force over that of a wide layer at small strain. */
 double indentation_factor(const palp_indentation *indentation, double depth_m);
 
+/* Radius of the smallest flat punch in the tables, m. */
+double indentation_smallest_punch(const palp_indentation *indentation);
+
 #endif

@@ -46,6 +46,10 @@ palp_status palp_model_covariance_read(const palp_json *root, const palp_materia
 palp_status palp_model_between_read(const palp_json *root, const palp_material *material, double **between,
                                     size_t *n_specimens);
 
+/* "validity" of a network, absent = none; and may it be written? */
+palp_status palp_model_validity_read(const palp_json *root, palp_model *model);
+bool palp_model_validity_valid(const palp_model *model);
+
 /* palp_model_read for the parsed value of a file. */
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh);
 

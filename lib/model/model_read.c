@@ -296,6 +296,8 @@ static palp_status read_network_members(const palp_json *root, palp_model *model
         status = palp_json_positive(&volume, &model->volume_modulus_Pa);
     if (!status && palp_json_member(root, "poisson_ratio", &poisson))
         status = read_poisson_ratio(&poisson, model);
+    if (!status)
+        status = palp_model_validity_read(root, model);
     if (!status && model->height_m == 0 && source->kind == PALP_MESH_LATTICE)
         model->height_m = source->size_m[1];
     return status;
@@ -306,7 +308,8 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     static const char *const keys[] = {"palpate", "kind",          "specimen",          "stiffness",
                                        "arms",    "dashpot_Ns",    "quasi_linear",      "formulation",
                                        "effects", "fractional",    "covariance",        "specimens",
-                                       "mesh",    "density_kg_m3", "volume_modulus_Pa", "poisson_ratio"};
+                                       "mesh",    "density_kg_m3", "volume_modulus_Pa", "poisson_ratio",
+                                       "validity"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;

@@ -50,6 +50,8 @@ static bool is_specimen_shape_valid(const palp_model *model) {
     if (model->poisson_ratio != 0 &&
         !(model->poisson_ratio >= 0.25 && model->poisson_ratio < 0.5 && model->volume_modulus_Pa == 0))
         return false;
+    if (!palp_model_validity_valid(model))
+        return false;
     if ((unsigned)mesh->scaling > PALP_SCALING_CONTINUUM || !(mesh->area_m2 >= 0) || !isfinite(mesh->area_m2))
         return false;
     if (mesh->kind == PALP_MESH_LATTICE)
@@ -284,6 +286,18 @@ static palp_status print_mesh_file_source(const writer *w, const palp_mesh_sourc
     return PALP_OK;
 }
 
+/* What spheres were found to be off by. */
+static void print_validity(const writer *w, const palp_model *model) {
+    for (size_t i = 0; i < model->n_validity; i++) {
+        fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : w->between, i ? "" : "\"validity\": [");
+        print_length_in_mm(
+            w, w->item[0] ? "\n    {\"radius_mm\": " : "{\"radius_mm\": ", model->validity[i].radius_m);
+        print_length_in_mm(w, ", \"depth_mm\": ", model->validity[i].depth_m);
+        print_json_number(w, ", \"error\": ", model->validity[i].error);
+        fputs(i + 1 < model->n_validity ? "}" : "}]", w->stream);
+    }
+}
+
 static palp_status print_network_members(const writer *w, const palp_model *model, const char *mesh_path) {
     palp_status status = PALP_OK;
     if (model->mesh->kind == PALP_MESH_LATTICE)
@@ -302,6 +316,7 @@ static palp_status print_network_members(const writer *w, const palp_model *mode
         fputs(w->between, w->stream);
         print_json_number(w, "\"poisson_ratio\": ", model->poisson_ratio);
     }
+    print_validity(w, model);
     return status;
 }
 

@@ -15,14 +15,15 @@ typedef enum calibrate_method { METHOD_NLOPT, METHOD_FIXED_POINT, METHOD_THREE_P
 typedef enum calibrate_law { LAW_POLYNOMIAL, LAW_SPLINE } calibrate_law;
 
 typedef struct calibrate_options {
-    const char *lumped, *mesh, *start, *out, *result, *report;
+    const char *lumped, *mesh, *start, *out, *result, *report, *check;
     const char *words[1 + RUNS_MAX]; /* LUMPED.json, RUN.csv ... */
     size_t n_words;
-    cli_list nodes, size_mm, depth_mm;
+    cli_list nodes, size_mm, depth_mm, tip_radius_mm;
     double scale_mm, area_mm2, poisson, ramp_s, hold_s, dt_ms;
     int stage, method, formulation, dwell, law, branch; /* indices of the choices */
     int scaling;                                        /* palp_mesh_scaling, or -1 = not given */
     size_t arms, degree, knots, steps;
+    size_t subdivisions; /* SIZE_MAX = not given */
     bool hex_diagonals, strain_dependent, every_step, json;
     char command[CLI_COMMAND_MAX];
 } calibrate_options;
@@ -67,6 +68,7 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s);
 int calibrate_compare(const calibrate_options *o, calibrate_state *s); /* fills press[].network */
 int calibrate_known(const calibrate_options *o, calibrate_state *s); /* the model's covariance and between */
 int calibrate_report(const calibrate_options *o, const calibrate_state *s);
+int calibrate_check(const calibrate_options *o); /* the other thing that the command does: --check */
 json_t *calibrate_figures(const calibrate_state *s);
 
 /* First guesses. */

@@ -54,6 +54,7 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
         code = open_model_of(NAME, o->start, PALP_MODEL_NETWORK,
                              "is a lumped model, but --start needs a network", &s->model, &s->source);
         code = code ? code : open_refuse_mass(NAME, o->start, &s->model);
+        s->model.n_validity = 0; /* of another material or mesh */
     }
     if (code == CLI_OK)
         sort_effects(o, s);

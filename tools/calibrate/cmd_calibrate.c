@@ -2,6 +2,7 @@
 #include "calibrate.h"
 #include "shared/commands.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -108,15 +109,33 @@ static size_t output_options(calibrate_options *o, cli_option *to) {
     return sizeof options / sizeof options[0];
 }
 
+static size_t check_options_of(calibrate_options *o, cli_option *to) {
+    const cli_option options[] = {
+        cli_heading("Check under tools (of a finished network, a box)"),
+        cli_in("check", "NETWORK.json", &o->check,
+               "instead: press spheres into it and list their force over that of the\n"
+               "solid that it stands for; --out writes it with its \"validity\""),
+        cli_numbers("tip-radius-mm", "LIST", 1e4, &o->tip_radius_mm,
+                    "of the spheres (default 3,5,10 of 24 mm); their depths: --depth-mm\n"
+                    "(default 0.5,1,2 of 24 mm)"),
+        cli_count("subdivisions", "N", 0, 4, &o->subdivisions,
+                  "of the surface that the spheres touch (default: the library's)"),
+    };
+    memcpy(to, options, sizeof options);
+    return sizeof options / sizeof options[0];
+}
+
 static int parse(int argc, char **argv, calibrate_options *o) {
     cli_option options[48];
     size_t n = network_options(o, options);
     n += fit_options(o, options + n);
     n += curve_options(o, options + n);
+    n += check_options_of(o, options + n);
     n += output_options(o, options + n);
     const cli_command command = {
         NAME,
-        "LUMPED.json [RUN.csv ...] --nodes N [options]",
+        "LUMPED.json [RUN.csv ...] --nodes N [options]\n"
+        "       palpate calibrate --check NETWORK.json [options]",
         "Fits the stiffness law and the arms of a network's elements, so that its force equals that of a\n"
         "lumped model, or of measured runs (protocol.kind static or ramp_hold).",
         "  palpate calibrate data/sedef2008/lumped_n2.json --nodes 5 --strain-dependent --out network.json\n"
@@ -126,7 +145,7 @@ static int parse(int argc, char **argv, calibrate_options *o) {
         n};
     int code = cli_parse(&command, argc, argv, o->words, 1 + RUNS_MAX, &o->n_words);
     o->lumped = o->words[0];
-    return code == CLI_OK && o->n_words == 0
+    return code == CLI_OK && o->n_words == 0 && !o->check
                ? cli_usage_error(NAME, "name a LUMPED.json; see palpate calibrate --help")
                : code;
 }
@@ -248,10 +267,13 @@ int cmd_calibrate(int argc, char **argv) {
                            .degree = 4,
                            .knots = 8,
                            .steps = 97000,
+                           .subdivisions = SIZE_MAX,
                            .ramp_s = 1,
                            .hold_s = 200};
     cli_keep_command(argc, argv, o.command);
     int code = parse(argc, argv, &o);
+    if (code == CLI_OK && o.check)
+        return calibrate_check(&o);
     if (code == CLI_OK)
         code = check_options(&o);
     if (code)

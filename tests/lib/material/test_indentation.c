@@ -133,10 +133,42 @@ START_TEST(a_deep_sphere_is_that_of_finite_elements) {
     near_to(force(in, 1e-5), force(small, 1e-5), 1e-3);
     ck_assert_int_eq(palp_indentation_force(&in, 1, &d, &f), PALP_ERR_LIMIT);
     in.radius_m = 0.25;
-    d = 0.01;
+    near_to(force(in, 0.099),
+            force((palp_indentation){.tip = PALP_TIP_SPHERE,
+                                     .radius_m = 0.25,
+                                     .thickness_m = 0.25 / 0.3,
+                                     .poisson = 0.3,
+                                     .large_strain = true},
+                  0.099),
+            0.03);
+    d = 0.101;
     ck_assert_int_eq(palp_indentation_force(&in, 1, &d, &f), PALP_ERR_LIMIT);
     in.tip = PALP_TIP_CONE;
     in.half_angle_rad = 0.5;
+    ck_assert_int_eq(palp_indentation_force(&in, 1, &d, &f), PALP_ERR_LIMIT);
+}
+END_TEST
+
+/* Spheres of an eighth, 5/24 and 5/12 of the height on a specimen that is as high and as wide as a cube:
+ * CalculiX with 12 elements in the contact (data/tips/block.csv). Without its width forces would be off by 7
+ * to 24 %. */
+START_TEST(a_sphere_on_a_narrow_specimen_is_that_of_finite_elements) {
+    static const struct {
+        double radius, poisson, depth, wanted;
+    } CASES[] = {{3, 0.25, 1, 0.011268373}, {5, 0.25, 2, 0.041985594}, {10, 0.25, 2, 0.059929668},
+                 {3, 0.45, 1, 0.013978454}, {5, 0.45, 2, 0.050963616}, {10, 0.45, 2, 0.074101464}};
+    palp_indentation in = {.tip = PALP_TIP_SPHERE,
+                           .radius_m = CASES[_i].radius / 24,
+                           .thickness_m = 1,
+                           .poisson = CASES[_i].poisson,
+                           .large_strain = true,
+                           .specimen_radius_m = sqrt(1 / 3.14159265358979323846)};
+    near_to(force(in, CASES[_i].depth / 24), CASES[_i].wanted, 0.012);
+    palp_indentation wide = in;
+    wide.specimen_radius_m = 0;
+    ck_assert_double_gt(force(wide, CASES[_i].depth / 24), 1.04 * force(in, CASES[_i].depth / 24));
+    in.specimen_radius_m = 0.1; /* narrower than the tables' punches */
+    double f, d = 0.01;
     ck_assert_int_eq(palp_indentation_force(&in, 1, &d, &f), PALP_ERR_LIMIT);
 }
 END_TEST
@@ -188,6 +220,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, the_slope_is_that_of_a_punch_as_wide_as_the_contact, 0, 2);
     tcase_add_test(tc, the_tables_meet_what_is_known);
     tcase_add_loop_test(tc, a_deep_sphere_is_that_of_finite_elements, 0, 3);
+    tcase_add_loop_test(tc, a_sphere_on_a_narrow_specimen_is_that_of_finite_elements, 0, 6);
     tcase_add_test(tc, a_sphere_at_small_strain_is_that_of_finite_elements);
     tcase_add_test(tc, bad_numbers_are_refused);
     tcase_add_test(tc, a_tip_has_a_name);

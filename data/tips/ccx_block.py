@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""ccx_block.py: a cube that is pressed, by CalculiX, with the functions press and face for other scripts.
+
+    ccx_block.py sphere RADIUS NU DEPTH [STEPS] [--fine N]   a rigid smooth sphere pressed into the middle of its top; a quarter of it, neo-Hookean
+    ccx_block.py face NU [--fine N]                          between bonded plates, small strain
+
+Lengths are in sides of the cube and G = 1; its floor is bonded. --fine: quadratic elements under the contact's radius, or along a side. The
+first prints "depth force" lines; the second the forces pressed and sheared and the bulge at mid-face, over the plate's motion."""
+import math
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+
+from ccx_tip import gap, graded, join, nset
+
+CORNERS = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
+EDGES = [(1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2), (0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)]
+
+
+def doubled(points):
+    """With the middles of the steps."""
+    return [0.5 * (points[k // 2] + points[(k + 1) // 2]) for k in range(2 * len(points) - 1)]
+
+
+def bricks(f, xs, ys, zs):
+    """Twenty-noded bricks on a grid, ys upwards; returns nodes by place in the doubled grid, elements by cell."""
+    grid = doubled(xs), doubled(ys), doubled(zs)
+    number, cell = {}, {}
+    f.write("*NODE,NSET=NALL\n")
+    for i, x in enumerate(grid[0]):
+        for j, y in enumerate(grid[1]):
+            for k, z in enumerate(grid[2]):
+                if i % 2 + j % 2 + k % 2 < 2:
+                    number[i, j, k] = len(number) + 1
+                    f.write("%d,%.12g,%.12g,%.12g\n" % (number[i, j, k], x, y, z))
+    f.write("*ELEMENT,TYPE=C3D20R,ELSET=BLOCK\n")
+    for i in range(len(xs) - 1):
+        for j in range(len(ys) - 1):
+            for k in range(len(zs) - 1):
+                cell[i, j, k] = len(cell) + 1
+                # the first face of CalculiX is the floor, the second the top
+                nodes = [number[2 * i + b, 2 * j + c, 2 * k + a] for a, b, c in CORNERS + EDGES]
+                f.write("%d,%s,\n%s\n" % (cell[i, j, k], ",".join(map(str, nodes[:12])), ",".join(map(str, nodes[12:]))))
+    return number, cell
+
+
+def solve(name, folder, limit):
+    done = subprocess.run(["ccx", "-i", name], capture_output=True, text=True, env=dict(os.environ, OMP_NUM_THREADS="1"), cwd=folder,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit)))
+    blocks, t = [], None  # (time, numbers of each line)
+    for line in open(name + ".dat"):
+        words = line.split()
+        if "time" in line:
+            t = float(words[-1])
+        elif words and t is not None:
+            blocks.append((t, [float(w) for w in words]))
+    return blocks, done.stdout[-300:]
+
+
+def tip_mesh(f, radius, edge, node0, element0, m):
+    """A quarter disc of thin stiff bricks behind the tip's surface, all its nodes moved. m strips."""
+    f.write("*NODE,NSET=TIP\n")
+    n = lambda i, j, k: node0 + 1 + 2 * (i * (m + 1) + j) + k
+    for i in range(m + 1):
+        for j in range(m + 1):
+            u, v = i / m, j / m
+            x, z = edge * u * math.sqrt(1 - v * v / 2), edge * v * math.sqrt(1 - u * u / 2)  # a square onto a disc
+            up = gap("sphere", radius, math.hypot(x, z))
+            for k in range(2):
+                f.write("%d,%.12g,%.12g,%.12g\n" % (n(i, j, k), x, 1 + up + 0.1 * k, z))
+    f.write("*ELEMENT,TYPE=C3D8,ELSET=RIGID\n")
+    for i in range(m):
+        for j in range(m):
+            lower = [n(i, j, 0), n(i, j + 1, 0), n(i + 1, j + 1, 0), n(i + 1, j, 0)]
+            f.write("%d,%s\n" % (element0 + 1 + i * m + j, ",".join(map(str, lower + [x + 1 for x in lower]))))
+    f.write("*MATERIAL,NAME=STIFF\n*ELASTIC\n1000,0.3\n*SOLID SECTION,ELSET=RIGID,MATERIAL=STIFF\n*SURFACE,NAME=STIP,TYPE=ELEMENT\nRIGID,S1\n")
+
+
+def press(radius, nu, depth, steps=4, fine=6, keep=None, limit=1800):
+    """[(depth, force)], or raises RuntimeError."""
+    a = min(math.sqrt(radius * depth) * (1.25 if depth > 0.3 * radius else 1.1), 0.9 * radius)  # the contact, or a little more
+    size, near = a / fine, min(1.2 * a, 0.4)
+    xs = join(graded(0, near, size, size), graded(near, 0.5, size, 0.125))
+    ys = [1 - y for y in reversed(graded(0, 1, 0.8 * size, 0.16))]
+    with tempfile.TemporaryDirectory() as folder:
+        folder = keep or folder
+        name = os.path.join(folder, "block")
+        with open(name + ".inp", "w") as f:
+            number, cell = bricks(f, xs, ys, xs)
+            nset(f, "FLOOR", [q for p, q in number.items() if p[1] == 0])
+            nset(f, "XZERO", [q for p, q in number.items() if p[0] == 0])
+            nset(f, "ZZERO", [q for p, q in number.items() if p[2] == 0])
+            f.write("*MATERIAL,NAME=SOLID\n*HYPERELASTIC,NEO HOOKE\n0.5,%.12g\n*SOLID SECTION,ELSET=BLOCK,MATERIAL=SOLID\n" % (3 * (1 - 2 * nu) / (1 + nu)))
+            tip_mesh(f, radius, min(1.3 * a, 0.98 * radius), len(number), len(cell), int(5 * fine))
+            f.write("*SURFACE,NAME=STOP,TYPE=ELEMENT\n")
+            for (i, j, k), e in cell.items():
+                if j == len(ys) - 2 and math.hypot(xs[i], xs[k]) < 1.3 * a:
+                    f.write("%d,S2\n" % e)
+            f.write("*SURFACE INTERACTION,NAME=TOUCH\n*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR\n%g,1e-4\n" % (100.0 / size))
+            f.write("*CONTACT PAIR,INTERACTION=TOUCH,TYPE=SURFACE TO SURFACE\nSTOP,STIP\n")
+            f.write("*BOUNDARY\nFLOOR,1,3\nXZERO,1,1\nZZERO,3,3\nTIP,1,1\nTIP,3,3\n")
+            f.write("*STEP,NLGEOM,INC=200\n*STATIC\n%g,1,1e-4,%g\n*BOUNDARY\nTIP,2,2,%.12g\n" % (1 / steps, 1 / steps, -depth))
+            f.write("*NODE PRINT,NSET=FLOOR,TOTALS=ONLY\nRF\n*END STEP\n")
+        found, told = solve(name, folder, limit)
+        curve = [(t * depth, 4 * v[1]) for t, v in found]
+        if not curve or curve[-1][0] < 0.999 * depth:
+            raise RuntimeError("ccx stopped at %s of %g: %s" % (curve[-1:] and curve[-1][0], depth, told))
+        return curve
+
+
+def face(nu, fine=8, limit=600):
+    """(force pressed, force sheared, bulge at mid-face), each over the motion of the plate."""
+    fine = 2 * (int(fine) // 2)  # a node at mid-face
+    points = [i / fine for i in range(fine + 1)]
+    with tempfile.TemporaryDirectory() as folder:
+        name = os.path.join(folder, "face")
+        with open(name + ".inp", "w") as f:
+            number, _ = bricks(f, points, points, points)
+            nset(f, "FLOOR", [q for p, q in number.items() if p[1] == 0])
+            nset(f, "TOP", [q for p, q in number.items() if p[1] == 2 * fine])
+            nset(f, "MIDDLE", [number[2 * fine, fine, fine]])
+            f.write("*MATERIAL,NAME=SOLID\n*ELASTIC\n%.12g,%.12g\n*SOLID SECTION,ELSET=BLOCK,MATERIAL=SOLID\n" % (2 * (1 + nu), nu))
+            for pressed, sheared in ((-1, 0), (0, 1)):
+                f.write("*STEP\n*STATIC\n*BOUNDARY,OP=NEW\nFLOOR,1,3\nTOP,1,1,%d\nTOP,2,2,%d\nTOP,3,3\n" % (sheared, pressed))
+                f.write("*NODE PRINT,NSET=TOP,TOTALS=ONLY\nRF\n*NODE PRINT,NSET=MIDDLE\nU\n*END STEP\n")
+        found, told = solve(name, folder, limit)
+        if len(found) != 4:
+            raise RuntimeError("ccx: " + told)
+        return -found[0][1][1], found[2][1][0], found[1][1][1]
+
+
+if __name__ == "__main__":
+    words, options = [], {}
+    arguments = iter(sys.argv[1:])
+    for w in arguments:
+        if w in ("--fine", "--keep"):
+            options[w[2:]] = float(next(arguments)) if w == "--fine" else next(arguments)
+        else:
+            words.append(w)
+    if words[0] == "face":
+        print("%.6g %.6g %.6g" % face(float(words[1]), **options))
+    else:
+        for d, force in press(*map(float, words[1:4]), int(words[4]) if len(words) > 4 else 4, **options):
+            print("%.6g %.8g" % (d, force))
