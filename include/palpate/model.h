@@ -32,12 +32,12 @@ typedef struct palp_mesh_source {
 
 /* The largest relative error of the force of a smooth sphere in a network, wherever it stands over the nodes
  * (palpate calibrate --check). */
-enum { PALP_VALIDITY_MAX = 16 };
+enum { PALP_VALIDITY_MAX = 12 };
 typedef struct palp_validity {
     double radius_m, depth_m, error;
 } palp_validity;
 
-/* A model; a plain value of less than 3 KB. Lengths in metres here, in mm in the file. */
+/* A model; a plain value of less than 2 KB. Lengths in metres here, in mm in the file. */
 typedef struct palp_model {
     palp_model_kind kind;
     double height_m, radius_m; /* specimen; radius 0 = not given; a network's height may be 0 = that

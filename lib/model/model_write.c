@@ -288,14 +288,17 @@ static palp_status print_mesh_file_source(const writer *w, const palp_mesh_sourc
 
 /* What spheres were found to be off by. */
 static void print_validity(const writer *w, const palp_model *model) {
+    if (model->n_validity == 0)
+        return;
+    fprintf(w->stream, "%s\"validity\": [", w->between);
     for (size_t i = 0; i < model->n_validity; i++) {
-        fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : w->between, i ? "" : "\"validity\": [");
-        print_length_in_mm(
-            w, w->item[0] ? "\n    {\"radius_mm\": " : "{\"radius_mm\": ", model->validity[i].radius_m);
+        fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : "", w->item);
+        print_length_in_mm(w, "{\"radius_mm\": ", model->validity[i].radius_m);
         print_length_in_mm(w, ", \"depth_mm\": ", model->validity[i].depth_m);
         print_json_number(w, ", \"error\": ", model->validity[i].error);
-        fputs(i + 1 < model->n_validity ? "}" : "}]", w->stream);
+        fputc('}', w->stream);
     }
+    fputc(']', w->stream);
 }
 
 static palp_status print_network_members(const writer *w, const palp_model *model, const char *mesh_path) {

@@ -12,7 +12,7 @@
 static const char NAME[] = "calibrate";
 static const double PI = 3.14159265358979323846, SMALL = 1e-5; /* of the height, a press at small strain */
 
-enum { RADII = 4, DEPTHS = 4, PLACES = 2 };
+enum { RADII = 4, DEPTHS = 3, PLACES = 2 };
 
 typedef struct check_state {
     palp_model model;

@@ -231,6 +231,54 @@ palp_status press_network(palp_network *network, const palp_path *path, const pr
     return o.status ? o.status : status;
 }
 
+static palp_status step_tool(palp_network *network, const palp_tool *start, double time_s, double depth_m,
+                             double dt_s, double *force_N, palp_run_info *info) {
+    palp_tool tool = *start;
+    palp_tool_force felt;
+    palp_step_info step;
+    tool.position_m[1] -= depth_m;
+    palp_status status = palp_network_set_tools(network, 1, &tool);
+    if (!status)
+        status = palp_network_step(network, 0, dt_s, &step);
+    if (!status)
+        status = palp_network_tool_force(network, &felt);
+    if (status)
+        return status;
+    *force_N = felt.force_N[1];
+    info->steps++;
+    info->iterations += (size_t)step.iterations;
+    info->worst_residual = fmax(info->worst_residual, step.residual);
+    info->peak_force_N = fmax(info->peak_force_N, felt.force_N[1]);
+    info->inverted = step.inverted > info->inverted ? step.inverted : info->inverted;
+    if (step.beyond > 0 && info->beyond <= 0)
+        info->beyond_s = time_s;
+    info->beyond = fmax(info->beyond, step.beyond);
+    return PALP_OK;
+}
+
+palp_status press_tool(palp_network *network, const palp_tool *start, const palp_path *path,
+                       const press_settings *settings, const press_watch *watch, record *curve,
+                       palp_run_info *info) {
+    observation o = {.path = path, .settings = &(press_settings){0}, .watch = watch, .curve = curve};
+    double *time_s = NULL;
+    size_t n = 0;
+    memset(info, 0, sizeof *info);
+    palp_status status = press_times(path, settings, &n, &time_s);
+    for (size_t i = 0; status == PALP_OK && i < n; i++) {
+        double depth_m = palp_path_at(path, time_s[i]), force_N = 0;
+        if (i > 0 || depth_m > 0)
+            status = step_tool(network, start, time_s[i], depth_m,
+                               settings->relaxed ? INFINITY
+                               : i               ? time_s[i] - time_s[i - 1]
+                                                 : 0,
+                               &force_N, info);
+        if (status == PALP_OK && observe(&o, time_s[i], depth_m, force_N))
+            status = o.status ? o.status : PALP_ERR_STOPPED;
+    }
+    free(time_s);
+    return status;
+}
+
 void press_warn_beyond(const char *name, const palp_law *law, double largest_strain, double first_s) {
     char from[48] = "";
     if (first_s >= 0)

@@ -6,6 +6,7 @@
 #include "record.h"
 
 #include <palpate/network.h>
+#include <palpate/tool.h>
 #include <stdbool.h>
 
 typedef struct press_settings {
@@ -33,6 +34,12 @@ typedef struct press_watch {
 
 palp_status press_network(palp_network *network, const palp_path *path, const press_settings *settings,
                           const press_watch *watch, record *curve, palp_run_info *info);
+
+/* A network at rest under a tool that comes down along the path from where it just touches: start. In steps
+ * of the path's times (press_times), with the upward force on the tool. */
+palp_status press_tool(palp_network *network, const palp_tool *start, const palp_path *path,
+                       const press_settings *settings, const press_watch *watch, record *curve,
+                       palp_run_info *info);
 
 /* The one warning about a run that goes beyond the strain that its law was measured to; first_s < 0: told no
  * time. */

@@ -28,6 +28,11 @@ static int parse(int argc, char **argv, simulate_options *o) {
                   "number of presses, each with its return (cyclic; default 3)"),
         cli_positive("force-N", "F", 1e6, &o->force_N, "force on the plate, N (creep)"),
         cli_flag("relaxed", &o->relaxed, "fully relaxed force at every sample (static)"),
+        cli_choice("tip", "plate|sphere", &o->tip,
+                   "what presses a network (default: tip.kind of --like, or the plate): a\n"
+                   "smooth sphere, down onto the middle of its top"),
+        cli_positive("tip-radius-mm", "MM", 1e4, &o->tip_radius_mm,
+                     "of the sphere (default: tip.radius_mm of --like)"),
         cli_heading("Solution"),
         cli_positive("dt-ms", "MS", 1e9, &o->dt_ms, "fixed time steps of at most MS ms"),
         cli_positive("tolerance", "REL", 0.1, &o->tolerance,
@@ -263,6 +268,7 @@ static int simulate(const simulate_options *o, simulation *s) {
         return cli_status(NAME, status, &error);
     int code = o->band ? simulate_band_check(o, s) : CLI_OK;
     code = code ? code : override_nodes(o, s);
+    code = code ? code : simulate_tip(o, s);
     if (code == CLI_OK)
         code = make_path(o, s->like, s->model.n_effects > 0, &s->path);
     code = code ? code : simulate_resample(o, &s->path);
@@ -289,7 +295,7 @@ static int simulate(const simulate_options *o, simulation *s) {
 }
 
 int cmd_simulate(int argc, char **argv) {
-    simulate_options o = {.protocol = -1, .hold_s = -1, .vtu_every = 1, .seed = SIZE_MAX};
+    simulate_options o = {.protocol = -1, .tip = -1, .hold_s = -1, .vtu_every = 1, .seed = SIZE_MAX};
     simulation s;
     int code = parse(argc, argv, &o);
     if (code)

@@ -9,11 +9,12 @@
 
 typedef struct simulate_options {
     const char *model, *like, *out, *vtu;
+    int tip; /* index of plate, sphere; -1 = that of --like */
     int protocol, branch, solver; /* protocol: index of static, ramp_hold, cyclic, creep; -1 = --like */
     double depth_mm, rate_mm_s, ramp_s, hold_s, force_N, dt_ms, tolerance;
     size_t cycles, vtu_every;
     cli_list nodes;
-    double sample_Hz, air_s, noise_N, hum_N, clip_N;
+    double tip_radius_mm, sample_Hz, air_s, noise_N, hum_N, clip_N;
     size_t seed; /* SIZE_MAX = not given */
     const char *drop, *spike;
     cli_list gaps, spikes; /* their values: from, to; time, force */
@@ -29,6 +30,7 @@ typedef struct simulation {
     palp_network *network;
     palp_reduced *reduced; /* instead of both */
     double height_m;       /* of what is pressed */
+    double tip_radius_m;   /* network: of the sphere that presses it; 0 = the plate */
     record curve;
     bool recorded;          /* the curve has regular samples, with air before them */
     double *low_N, *high_N; /* [curve.n] --band: 95 % band of the force, or NULL */
@@ -40,6 +42,7 @@ typedef struct simulation {
 
 /* Functions return an exit code, after one line on stderr if it is not 0. */
 int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
+int simulate_tip(const simulate_options *o, simulation *s); /* tip_radius_m */
 int simulate_network(const simulate_options *o, simulation *s);
 int simulate_effects(
     const simulate_options *o,

@@ -1,7 +1,10 @@
 /* simulate_network.c: palpate simulate's run of a network, with frames for ParaView. */
 #include "simulate.h"
 
+#include <math.h>
+
 static const char NAME[] = "simulate";
+static const double CHECKED_WELL = 0.1; /* an error of the force above which a run says so */
 
 typedef struct frames {
     palp_vtu *series;
@@ -42,12 +45,72 @@ static int run_failed(const simulate_options *o, const simulation *s, palp_statu
     return code;
 }
 
+/* ---- a sphere in place of the plate ---- */
+
+int simulate_tip(const simulate_options *o, simulation *s) {
+    const char *kind = NULL;
+    double radius_mm = o->tip_radius_mm;
+    palp_tip_kind tip = o->tip == 1 ? PALP_TIP_SPHERE : PALP_TIP_PLATE;
+    bool network = s->model.kind == PALP_MODEL_NETWORK && !s->reduced;
+    if (!network && (o->tip == 1 || radius_mm > 0))
+        return cli_usage_error(NAME, "--tip sphere needs a network, which %s is not", o->model);
+    if (!network)
+        return CLI_OK; /* a lumped model is that of the tip whose runs it was fitted to */
+    if (o->tip < 0 && s->like && palp_experiment_get_string(s->like, "tip.kind", &kind) == PALP_OK &&
+        (!palp_tip_find(kind, &tip) || tip == PALP_TIP_FLAT || tip == PALP_TIP_CONE))
+        return cli_failure(NAME, "%s: its tip.kind \"%s\" presses no network; only plate and sphere do",
+                           o->like, kind);
+    if (tip == PALP_TIP_PLATE)
+        return radius_mm > 0 ? cli_usage_error(NAME, "--tip-radius-mm goes with --tip sphere") : CLI_OK;
+    if (radius_mm <= 0 && s->like)
+        palp_experiment_get_number(s->like, "tip.radius_mm", &radius_mm);
+    if (!(radius_mm > 0))
+        return cli_usage_error(NAME, "a sphere needs --tip-radius-mm");
+    if (s->model.n_effects > 0 || o->protocol == 3)
+        return cli_usage_error(NAME, "%s does not go with a sphere",
+                               o->protocol == 3 ? "--protocol creep" : "a model with effects");
+    s->tip_radius_m = 1e-3 * radius_mm;
+    return CLI_OK;
+}
+
+/* Where it touches the highest nodes, in their middle. */
+static palp_tool sphere_on_top(const simulation *s) {
+    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = s->tip_radius_m};
+    const double *x = palp_mesh_positions(s->mesh);
+    const int32_t *top = NULL;
+    size_t n = 0;
+    palp_mesh_set(s->mesh, "top", &n, &top);
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++)
+            tool.position_m[k] += x[3 * top[i] + k] / (double)n;
+    tool.position_m[1] += tool.radius_m;
+    return tool;
+}
+
+static void judge_tip(const simulate_options *o, const simulation *s) {
+    double error = 0, deepest = 0;
+    for (size_t i = 0; i < s->curve.n; i++)
+        deepest = fmax(deepest, s->curve.depth_m[i]);
+    palp_status status = palp_model_tool_error(&s->model, s->tip_radius_m, deepest, &error);
+    if (status == PALP_ERR_UNSUPPORTED)
+        cli_warning(NAME, "%s: was not checked under tools; palpate calibrate --check does", o->model);
+    else if (status)
+        cli_warning(NAME, "%s: was not checked for a sphere of %.4g mm pressed %.4g mm deep", o->model,
+                    1e3 * s->tip_radius_m, 1e3 * deepest);
+    else if (error > CHECKED_WELL)
+        cli_warning(NAME, "%s: the force of a sphere of %.4g mm pressed %.4g mm deep is off by up to %.3g %%",
+                    o->model, 1e3 * s->tip_radius_m, 1e3 * deepest, 100 * error);
+}
+
 static palp_status press_with_bar(const simulate_options *o, simulation *s, frames *f) {
     progress bar;
     press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
     press_watch watch = {&bar, add_frame, f};
     progress_start(&bar, "simulate");
-    palp_status status = press_network(s->network, &s->path, &press, &watch, &s->curve, &s->info);
+    const palp_tool sphere = sphere_on_top(s);
+    palp_status status = s->tip_radius_m > 0
+                             ? press_tool(s->network, &sphere, &s->path, &press, &watch, &s->curve, &s->info)
+                             : press_network(s->network, &s->path, &press, &watch, &s->curve, &s->info);
     progress_finish(&bar);
     return status;
 }
@@ -58,7 +121,14 @@ int simulate_network(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     settings.branch = (palp_branch)o->branch;
     settings.solver = (palp_solver)o->solver;
-    palp_status status = palp_network_from_model(&s->model, s->mesh, 0, NULL, &settings, &s->network, &error);
+    const palp_contact_settings touch = palp_contact_settings_default();
+    palp_support supports[2];
+    palp_supports_default(supports);
+    bool tip = s->tip_radius_m > 0; /* on the bottom alone */
+    palp_status status =
+        palp_network_from_model(&s->model, s->mesh, tip ? 1 : 2, supports, &settings, &s->network, &error);
+    if (status == PALP_OK && tip)
+        status = palp_network_enable_tools(s->network, 1, 0, &touch);
     if (status == PALP_OK && o->vtu) {
         f.network = s->network;
         status = palp_vtu_open(o->vtu, "network", &f.series, &error);
@@ -69,6 +139,8 @@ int simulate_network(const simulate_options *o, simulation *s) {
     palp_status closed = palp_vtu_close(f.series, &error);
     if (f.status || closed)
         return cli_status(NAME, f.status ? f.status : closed, f.status ? &f.error : &error);
+    if (tip && !status)
+        judge_tip(o, s);
     s->buckled = palp_network_buckled(s->network, &s->stable_m, &s->unstable_m);
     if (s->buckled)
         press_warn_buckled(NAME, s->stable_m, s->unstable_m, s->height_m, settings.branch);

@@ -101,6 +101,10 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
     number(run, "specimen.height_mm", 1e3 * s->height_m, &status);
     if (s->model.radius_m > 0)
         number(run, "specimen.radius_mm", 1e3 * s->model.radius_m, &status);
+    if (s->tip_radius_m > 0) {
+        string(run, "tip.kind", palp_tip_name(PALP_TIP_SPHERE), &status);
+        number(run, "tip.radius_mm", 1e3 * s->tip_radius_m, &status);
+    }
     status = status ? status : fill_protocol(o, s, run);
     status = status ? status : fill_sensor(o, run);
     if (s->low_N && status == PALP_OK)

@@ -427,6 +427,37 @@ START_TEST(lattice_is_made) {
 END_TEST
 
 /* What depends on the material, the specimen or the effects needs no mesh. */
+/* What spheres were off by is kept, and looked up at the presses next to one. */
+START_TEST(validity_comes_back) {
+    palp_model model = read_text(sample), back;
+    palp_mesh_source mesh;
+    const char *path = scratch_path("out.json");
+    double error = -1;
+    ck_assert_int_eq(palp_model_tool_error(&model, 0.005, 0.001, &error), PALP_ERR_UNSUPPORTED);
+    static const palp_validity presses[] = {
+        {0.003, 0.0005, 0.3}, {0.003, 0.001, 0.2}, {0.010, 0.0005, 0.04}, {0.010, 0.001, 0.02}};
+    memcpy(model.validity, presses, sizeof presses);
+    model.n_validity = 4;
+    ck_assert_int_eq(palp_model_write(&model, path, NULL), PALP_OK);
+    ck_assert_int_eq(palp_model_read(path, &back, &mesh, NULL), PALP_OK);
+    ck_assert_uint_eq(back.n_validity, 4);
+    ck_assert_mem_eq(back.validity, presses, sizeof presses);
+    const struct {
+        double radius, depth, error;
+    } cases[] = {{0.003, 0.001, 0.2},  {0.003, 0.0007, 0.3},  {0.005, 0.001, 0.2}, {0.010, 0.001, 0.02},
+                 {0.020, 0.001, 0.02}, {0.020, 0.0001, 0.04}, {0.009, 0.0006, 0.3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ck_assert_int_eq(palp_model_tool_error(&back, cases[i].radius, cases[i].depth, &error), PALP_OK);
+        ck_assert_double_eq(error, cases[i].error);
+    }
+    ck_assert_int_eq(palp_model_tool_error(&back, 0.0029, 0.001, &error), PALP_ERR_LIMIT);
+    ck_assert_int_eq(palp_model_tool_error(&back, 0.010, 0.0011, &error), PALP_ERR_LIMIT);
+    ck_assert_int_eq(palp_model_tool_error(&back, 0, 0.001, &error), PALP_ERR_ARGUMENT);
+    model.validity[2].error = NAN;
+    write_fails(&model, path, PALP_ERR_ARGUMENT);
+}
+END_TEST
+
 START_TEST(source_may_be_left_out) {
     const char *path = scratch_write("model.json", sample, sizeof sample - 1);
     palp_error error;
@@ -587,6 +618,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, model_is_one_line_when_formatted);
     tcase_add_test(tc, failed_write_leaves_nothing);
     tcase_add_test(tc, lattice_is_made);
+    tcase_add_test(tc, validity_comes_back);
     tcase_add_test(tc, source_may_be_left_out);
     tcase_add_test(tc, model_is_copied_by_value);
     tcase_add_test(tc, too_long_a_path_is_an_error);

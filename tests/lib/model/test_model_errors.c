@@ -16,6 +16,7 @@ static const struct {
     {"coefficients_many", 6, PALP_ERR_LIMIT, "stiffness.coefficients_N has 33 items, at most 32 can be held"},
     {"coefficients_text", 6, PALP_ERR_INPUT, "stiffness.coefficients_N[1] must be a number"},
     {"cut", 10, PALP_ERR_INPUT, "malformed JSON: string or '}' expected near end of file"},
+    {"validity", 14, PALP_ERR_INPUT, "validity[0].error must not be negative"},
     {"density", 13, PALP_ERR_INPUT, "density_kg_m3 must not be negative"},
     {"effect", 12, PALP_ERR_UNSUPPORTED, "effects[0].id \"plate_friction\" is not an effect of this version"},
     {"empty", 1, PALP_ERR_INPUT, "malformed JSON: '[' or '{' expected near end of file"},
