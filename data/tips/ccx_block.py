@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """ccx_block.py: a cube that is pressed, by CalculiX, with the functions press and face for other scripts.
 
-    ccx_block.py sphere RADIUS NU DEPTH [STEPS] [--fine N]   a rigid smooth sphere pressed into the middle of its top; a quarter of it, neo-Hookean
-    ccx_block.py face NU [--fine N]                          between bonded plates, small strain
+    ccx_block.py sphere RADIUS NU DEPTH [STEPS] [--fine N | --nodes N]
+                                a rigid smooth sphere pressed into the middle of its top; a quarter of it, neo-Hookean
+    ccx_block.py face NU [--fine N]
+                                between bonded plates, small strain
 
-Lengths are in sides of the cube and G = 1; its floor is bonded. --fine: quadratic elements under the contact's radius, or along a side. The
-first prints "depth force" lines; the second the forces pressed and sheared and the bulge at mid-face, over the plate's motion."""
+Lengths are in sides of the cube and G = 1; its floor is bonded. --fine: quadratic elements under the contact's radius, or along a side.
+--nodes: instead linear elements that are all alike, so many nodes a side. The first prints "depth force" lines; the second the forces pressed and sheared and the bulge at mid-face, over the plate's motion."""
 import math
 import os
 import resource
@@ -24,25 +26,25 @@ def doubled(points):
     return [0.5 * (points[k // 2] + points[(k + 1) // 2]) for k in range(2 * len(points) - 1)]
 
 
-def bricks(f, xs, ys, zs):
-    """Twenty-noded bricks on a grid, ys upwards; returns nodes by place in the doubled grid, elements by cell."""
+def bricks(f, xs, ys, zs, linear=False):
+    """Twenty-noded (eight-noded) bricks on a grid, ys upwards; returns nodes by place in the doubled grid, elements by cell."""
     grid = doubled(xs), doubled(ys), doubled(zs)
     number, cell = {}, {}
     f.write("*NODE,NSET=NALL\n")
     for i, x in enumerate(grid[0]):
         for j, y in enumerate(grid[1]):
             for k, z in enumerate(grid[2]):
-                if i % 2 + j % 2 + k % 2 < 2:
+                if i % 2 + j % 2 + k % 2 < (1 if linear else 2):
                     number[i, j, k] = len(number) + 1
                     f.write("%d,%.12g,%.12g,%.12g\n" % (number[i, j, k], x, y, z))
-    f.write("*ELEMENT,TYPE=C3D20R,ELSET=BLOCK\n")
+    f.write("*ELEMENT,TYPE=%s,ELSET=BLOCK\n" % ("C3D8" if linear else "C3D20R"))
     for i in range(len(xs) - 1):
         for j in range(len(ys) - 1):
             for k in range(len(zs) - 1):
                 cell[i, j, k] = len(cell) + 1
                 # the first face of CalculiX is the floor, the second the top
-                nodes = [number[2 * i + b, 2 * j + c, 2 * k + a] for a, b, c in CORNERS + EDGES]
-                f.write("%d,%s,\n%s\n" % (cell[i, j, k], ",".join(map(str, nodes[:12])), ",".join(map(str, nodes[12:]))))
+                nodes = [number[2 * i + b, 2 * j + c, 2 * k + a] for a, b, c in CORNERS + ([] if linear else EDGES)]
+                f.write("%d,%s\n" % (cell[i, j, k], ",\n".join(",".join(map(str, nodes[m:m + 10])) for m in range(0, len(nodes), 10))))
     return number, cell
 
 
@@ -78,17 +80,20 @@ def tip_mesh(f, radius, edge, node0, element0, m):
     f.write("*MATERIAL,NAME=STIFF\n*ELASTIC\n1000,0.3\n*SOLID SECTION,ELSET=RIGID,MATERIAL=STIFF\n*SURFACE,NAME=STIP,TYPE=ELEMENT\nRIGID,S1\n")
 
 
-def press(radius, nu, depth, steps=4, fine=6, keep=None, limit=1800):
-    """[(depth, force)], or raises RuntimeError."""
+def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800):
+    """[(depth, force)], or raises RuntimeError. nodes: of linear elements, alike, so many nodes a side; an odd number."""
     a = min(math.sqrt(radius * depth) * (1.25 if depth > 0.3 * radius else 1.1), 0.9 * radius)  # the contact, or a little more
     size, near = a / fine, min(1.2 * a, 0.4)
     xs = join(graded(0, near, size, size), graded(near, 0.5, size, 0.125))
     ys = [1 - y for y in reversed(graded(0, 1, 0.8 * size, 0.16))]
+    if nodes:
+        xs, ys = [[i / (nodes - 1) for i in range(m)] for m in ((nodes + 1) // 2, nodes)]
+        size, fine = xs[1], 12
     with tempfile.TemporaryDirectory() as folder:
         folder = keep or folder
         name = os.path.join(folder, "block")
         with open(name + ".inp", "w") as f:
-            number, cell = bricks(f, xs, ys, xs)
+            number, cell = bricks(f, xs, ys, xs, bool(nodes))
             nset(f, "FLOOR", [q for p, q in number.items() if p[1] == 0])
             nset(f, "XZERO", [q for p, q in number.items() if p[0] == 0])
             nset(f, "ZZERO", [q for p, q in number.items() if p[2] == 0])
@@ -135,8 +140,10 @@ if __name__ == "__main__":
     words, options = [], {}
     arguments = iter(sys.argv[1:])
     for w in arguments:
-        if w in ("--fine", "--keep"):
-            options[w[2:]] = float(next(arguments)) if w == "--fine" else next(arguments)
+        if w in ("--fine", "--nodes"):
+            options[w[2:]] = int(next(arguments))
+        elif w == "--keep":
+            options["keep"] = next(arguments)
         else:
             words.append(w)
     if words[0] == "face":

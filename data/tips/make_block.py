@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """make_block.py: forces of tips on a cube of 24 mm that is bonded to its floor: block.csv. Rows that are there are not run again.
 
-    make_block.py [cylinder cube face]       default all
+    make_block.py [cylinder cylinder_small cube linear face]       default all
 
 shape cylinder: as high and of the same section, axisymmetric, each depth on a mesh of its own with 12 elements under the contact, some with 24;
-cylinder_small: tip and depth scaled down by a hundred, as in make_forces.py, that is small strain; cube: a few on a quarter of the cube itself,
-4 elements; face: the cube between bonded plates.
+cylinder_small: tip and depth scaled down by a hundred, as in make_forces.py, that is small strain; cube: one on a quarter of the cube itself,
+4 elements; linear: of linear elements with 5, 7 and 11 nodes a side ("fine"), a node under the tip; face: the cube between bonded plates.
 Force over G h^2 (face: over G h and the plate's motion), h = 24 mm; face has the value "press", "shear" or "bulge" in place of a tip."""
 import csv
 import math
@@ -30,6 +30,8 @@ def curve(shape, tip, radius, nu, depth, fine):
         try:
             if shape == "cube":
                 return [(tip, ccx_block.press(radius / HEIGHT, nu, depth / HEIGHT, steps // 2, fine)[-1][1])]
+            if shape == "linear":
+                return [(tip, ccx_block.press(radius / HEIGHT, nu, depth / HEIGHT, steps // 2, nodes=fine)[-1][1])]
             scale = 0.01 if shape == "cylinder_small" else 1.0
             return [(tip, ccx_tip.run(tip, radius / HEIGHT, nu, depth / HEIGHT, steps, wide=WIDE, fine=fine, scale=scale)[-1][1])]
         except RuntimeError as error:
@@ -39,7 +41,7 @@ def curve(shape, tip, radius, nu, depth, fine):
 
 def jobs():
     for nu in NU:
-        for fine in (4, 8):
+        for fine in (4, 8, 12) if nu > 0.4 else (4, 8):
             yield "face", "plate", 0, nu, 0, fine
     for fine in (12, 24):
         for nu in NU:
@@ -49,9 +51,10 @@ def jobs():
                 if fine == 12 and radius < 10:
                     yield "cylinder_small", "sphere", radius, nu, 1, fine
             yield "cylinder", "flat", 5, nu, 1, fine
-    for nu in (0.25, 0.45):
-        for radius in RADIUS:
-            yield "cube", "sphere", radius, nu, 1, 4
+    for radius in RADIUS:
+        for nodes in (5, 7, 11):
+            yield "linear", "sphere", radius, 0.25, 1, nodes
+    yield "cube", "sphere", 5, 0.25, 1, 4
 
 
 def main():

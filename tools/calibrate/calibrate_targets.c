@@ -212,6 +212,15 @@ static int read_run(const char *file, calibrate_state *s) {
     int code = open_run(NAME, file, &run);
     if (code)
         return code;
+    const char *tip = "plate";
+    if (palp_experiment_get_string(run, "tip.kind", &tip) == PALP_OK && strcmp(tip, "plate") != 0) {
+        code = cli_failure(NAME,
+                           "%s: was pressed by a tip, \"%s\", and networks are calibrated by plates; palpate "
+                           "characterize finds the moduli of such runs",
+                           file, tip);
+        palp_experiment_free(run);
+        return code;
+    }
     palp_status status = palp_recording_check(run, file, s->lumped.height_m, &error);
     if (status == PALP_OK)
         status = open_smooth_depth(run);
