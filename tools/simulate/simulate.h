@@ -9,7 +9,7 @@
 
 typedef struct simulate_options {
     const char *model, *like, *out, *vtu;
-    int tip; /* index of plate, sphere; -1 = that of --like */
+    int tip;                      /* index of plate, sphere; -1 = that of --like */
     int protocol, branch, solver; /* protocol: index of static, ramp_hold, cyclic, creep; -1 = --like */
     double depth_mm, rate_mm_s, ramp_s, hold_s, force_N, dt_ms, tolerance;
     size_t cycles, vtu_every;
@@ -42,7 +42,7 @@ typedef struct simulation {
 
 /* Functions return an exit code, after one line on stderr if it is not 0. */
 int simulate_mesh(const simulate_options *o, simulation *s); /* mesh and height_m */
-int simulate_tip(const simulate_options *o, simulation *s); /* tip_radius_m */
+int simulate_tip(const simulate_options *o, simulation *s);  /* tip_radius_m */
 int simulate_network(const simulate_options *o, simulation *s);
 int simulate_effects(
     const simulate_options *o,
