@@ -16,7 +16,7 @@ cat >mesh.json <<J
  "arms": [{"stiffness_N": 1, "viscosity_Ns": 10, "stiffness_per_strain": 0.1, "time_per_strain": 0.1}], "effects": [],
  "mesh": {"kind": "file", "path": "$ROOT/data/meshes/box_tetra.msh", "scale_mm": 1, "hex_diagonals": false, "scaling": "volume", "area_mm2": 400}}
 J
-sed 's/"mesh": {.*}}/"mesh": {"kind": "lattice", "nodes": [3, 3, 3], "size_mm": [24, 24, 24], "neighbourhood": 18}}/' mesh.json >lattice.json
+sed 's/"mesh": {.*}}/"mesh": {"kind": "lattice", "nodes": [3, 3, 3], "size_mm": [24, 24, 24], "neighbourhood": 18}, "validity": [{"radius_mm": 3, "depth_mm": 1, "error": 0.1}]}/' mesh.json >lattice.json
 
 # ---- models, runs and results of every form ----
 sed 's/"arms"/"effects": [{"id": "sensor_bias", "parameters": {"force_N": 0.03}}], "arms"/' $L >biased.json
