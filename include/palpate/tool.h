@@ -49,6 +49,10 @@ typedef struct palp_contact_settings {
      * spheres and capsules stiffness is then not used: each vertex has the local compliance that the mesh
      * lacks (doc/numerics.md), so the force hardly depends on the spacing of the nodes. */
     size_t subdivisions;
+    /* Without subdivisions: spheres and capsules touch triangles in points that give way by what the mesh
+     * lacks of the tissue below (doc/numerics.md), so that force hardly depends on where between the nodes a
+     * tool is. stiffness then only keeps a tool from sinking in by more than half its radius. false */
+    bool local;
     size_t max_contacts;    /* points near tools at once, others are ignored; 0 = as many as possible */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */
 } palp_contact_settings;

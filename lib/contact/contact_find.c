@@ -6,6 +6,8 @@
 static const double REACH = 0.5;  /* of an edge: so near, a point may come to touch in a step */
 static const double BEND = 0.25;  /* of a tool's radius: so far its contacts keep their directions, within
                                      a cosine of BEND */
+enum { FEWEST = 4, MOST = 12 };   /* parts of a triangle's edge, for fixed points */
+static const double FINE = 2.5;   /* of them on the way of a tool's radius, at least */
 static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that the nearest point is one also
                                      where a capsule lies flat on it */
 static const double STEEP =
@@ -78,6 +80,11 @@ static double nearest_point_on_axis(const palp_tool *tool, const double *const c
 }
 
 double contact_slid(const contact_set *set, const contact *c, const double *x) {
+    if (c->fixed) {
+        double point[3];
+        contact_point(c, c->share, x, point);
+        return fabs(contact_along(&set->pose[c->tool], point) - c->along);
+    }
     if (c->corners == 1)
         return 0.0;
     const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
@@ -116,7 +123,8 @@ static const contact_touch *find_remembered_touch(const contact_set *set, const 
     size_t n = set->now.n_touches;
     for (size_t i = 0; i < n; i++) {
         size_t at = *cursor + i < n ? *cursor + i : *cursor + i - n;
-        if (touch[at].tool == c->tool && memcmp(touch[at].node, c->node, sizeof c->node) == 0) {
+        if (touch[at].tool == c->tool && touch[at].part == c->part &&
+            memcmp(touch[at].node, c->node, sizeof c->node) == 0) {
             *cursor = at + 1 < n ? at + 1 : 0;
             return &touch[at];
         }
@@ -164,6 +172,10 @@ static bool place_friction_anchor(const contact_set *set, const double *committe
         return true;
     }
     if (!known) {
+        c->law.root *= set->share;
+        c->law.linear *= set->share;
+        c->law.steep *= set->share;
+        c->law.hard *= set->share;
         c->stiffness *= set->share;
         return !(c->distance < 0.0);
     }
@@ -259,6 +271,63 @@ static double stiffness_of_triangle(const contact_set *set, const int32_t *node)
     return set->settings.stiffness * set->modulus * sum;
 }
 
+static bool has_triangle_area(const contact_set *set, const double *const corner[3]) {
+    double ab[3], ac[3], normal[3];
+    along3(corner[1], -1.0, corner[0], ab);
+    along3(corner[2], -1.0, corner[0], ac);
+    cross3(ab, ac, normal);
+    return sqrt(dot3(normal, normal)) > 1e-9 * set->edge * set->edge;
+}
+
+/* The side of a square of twice the triangle's area at rest, m. */
+static double spacing_of_triangle(const contact_set *set, const int32_t *node) {
+    double ab[3], ac[3], normal[3];
+    along3(set->rest + 3 * node[1], -1.0, set->rest + 3 * node[0], ab);
+    along3(set->rest + 3 * node[2], -1.0, set->rest + 3 * node[0], ac);
+    cross3(ab, ac, normal);
+    return pow(dot3(normal, normal), 0.25);
+}
+
+/* Factor of a triangle's point: 1 where the tool's centre is above the triangle, to half an edge through it;
+ * beside the triangle it falls to 0 where the centre comes down to the plane, in which the tool is at its
+ * side. */
+static double triangle_point_factor(const contact_set *set, const palp_tool *tool, const contact *c) {
+    const double *foot = c->face.foot, height = c->distance / (BEND * tool->radius_m);
+    if (fmin(foot[0], fmin(foot[1], foot[2])) > 0.0)
+        return c->distance > -0.5 * set->edge ? 1.0 : 0.0;
+    return height >= 1.0 ? 1.0 : height > 0.0 ? height * height * (3.0 - 2.0 * height) : 0.0;
+}
+
+/* Contacts in the middles of parts * parts equal parts of a triangle. */
+static void find_points_of_triangle(search *s, int32_t tool, const int32_t *node, double reach) {
+    const contact_set *set = s->set;
+    const palp_tool *pose = &set->pose[tool];
+    const int parts = (int)fmin(fmax(ceil(FINE * set->edge / pose->radius_m), FEWEST), MOST);
+    const double spacing = spacing_of_triangle(set, node),
+                 stiffness = stiffness_of_triangle(set, node) / (set->settings.stiffness * parts * parts);
+    for (int part = 0, row = 0; row < parts; row++)
+        for (int k = 0; k < 2 * (parts - row) - 1; k++, part++) {
+            const double third = (1 + (k & 1)) / 3.0, a = (row + third) / parts, b = (k / 2 + third) / parts;
+            contact c = {.tool = tool,
+                         .node = {node[0], node[1], node[2]},
+                         .corners = 3,
+                         .part = part,
+                         .fixed = true,
+                         .share = {1.0 - a - b, a, b},
+                         .early = 0.5 * set->settings.smoothing * set->edge};
+            contact_point(&c, c.share, s->x, c.point);
+            c.along = contact_along(pose, c.point);
+            if (contact_distance(pose, c.point) > pose->radius_m + reach)
+                continue;
+            contact_measure(pose, &c, s->x);
+            const double own = triangle_point_factor(set, pose, &c) * stiffness;
+            if (!(c.depth > -reach) || !(own > 0.0))
+                continue;
+            contact_face_law(set, pose, own, spacing, &c);
+            add_contact_to_set(s, &c);
+        }
+}
+
 /* low, high: the box around a tool, enlarged by slack. */
 static void bounding_box_of_tool(const palp_tool *tool, double slack, double low[3], double high[3]) {
     for (int k = 0; k < 3; k++) {
@@ -289,6 +358,11 @@ static void find_triangle_contacts(search *s, int32_t tool, double reach) {
         const double *corner[3] = {x + 3 * node[0], x + 3 * node[1], x + 3 * node[2]};
         if (!triangle_overlaps_box(low, high, corner) || !is_triangle_near_axis(pose, around, corner))
             continue;
+        if (set->settings.local) {
+            if (has_triangle_area(set, corner))
+                find_points_of_triangle(s, tool, node, reach);
+            continue;
+        }
         contact c = {.tool = tool, .node = {node[0], node[1], node[2]}, .corners = 3};
         c.along = nearest_point_on_axis(pose, corner);
         contact_measure(pose, &c, x);

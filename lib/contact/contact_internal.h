@@ -10,10 +10,19 @@
 
 #include <math.h>
 
+/* How a point of the surface resists at the depth u in a tool: root sqrt(u) + linear u + steep u sqrt(u), and
+ * beyond the limit, m, hard (u - limit) in addition, N. */
+typedef struct contact_law {
+    double root, linear, steep, hard, limit;
+} contact_law;
+
 /* A point of the surface near a tool: a node, or the point of a triangle that is nearest to the tool. */
 typedef struct contact {
     int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1, share = {1, 0, 0} */
-    int32_t corners;
+    int32_t corners, part; /* part: which of the fixed points of its triangle */
+    bool fixed;            /* a fixed point of a triangle (contact_face.c) */
+    contact_law law;       /* of a fixed point */
+    double early;          /* depth outside the tool at which its smoothing begins, m */
     double
         along; /* position on a capsule's axis of the nearest sphere, m; constant in a step for a triangle */
     double stiffness;      /* N/m */
@@ -32,16 +41,20 @@ typedef struct contact {
     double point[3];
     double normal[3];         /* unit vector from the tool into the tissue */
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
-    double stretch[3];        /* of friction's spring, m */
-    double friction[3];       /* friction force on the tissue, N */
-    double kept;              /* share of the spring's stretch that remains after slip: 1 = it sticks */
+    struct contact_face {     /* of a triangle's contact, see contact_point.c */
+        double outward[3], away[3], foot[3], gradient[3][3];
+        double across, along, bend, slope, size;
+    } face;
+    double stretch[3];  /* of friction's spring, m */
+    double friction[3]; /* friction force on the tissue, N */
+    double kept;        /* share of the spring's stretch that remains after slip: 1 = it sticks */
     double friction_tangent[6];
     double drag[3]; /* sliding friction: d friction / d displacement along the normal, N/m; 0 if it sticks */
 } contact;
 
 /* A contact that touched, with friction's spring. */
 typedef struct contact_touch {
-    int32_t tool, node[3];
+    int32_t tool, node[3], part;
     double stretch[3], doubt;
 } contact_touch;
 
@@ -72,6 +85,7 @@ typedef struct contact_set {
     size_t n_contacts;
     const int32_t *surface; /* [3 n_surface] triangles, outward; owned by the caller */
     size_t n_surface;
+    const double *rest;  /* [3 n_nodes] the caller's */
     int32_t *triangles;  /* [n_nodes] of the surface that meet in a node */
     const double *unit;  /* [n_nodes] a node's own stiffness over that of an element, 1/m; the caller's */
     const double *local; /* of a smooth surface: [n_nodes] Young's modulus times a point's area, over spacing
@@ -161,6 +175,9 @@ contact_product contact_times, contact_whole_times;
 /* k[9] = -d force on corner a / d corner b, by rows. */
 void contact_block(const contact *c, int a, int b, double k[9]);
 
+/* Size of the force that is normal to the tool, N. */
+double contact_normal_force(const contact *c);
+
 /* Potential of its normal force, J. */
 double contact_energy(const contact_set *set, const contact *c);
 
@@ -169,6 +186,25 @@ void contact_nearest(const double *const corner[3], const double p[3], double sh
 
 /* Sum of share[i] times the contact's nodes in x[3 n_nodes]. */
 void contact_point(const contact *c, const double share[3], const double *x, double point[3]);
+
+/* ---- contact_face.c: fixed points of triangles ---- */
+
+/* As contact_measure, contact_energy and contact_block; forces and the tangent are without friction, k is
+ * added to. */
+void contact_face_measure(const palp_tool *tool, contact *c, const double *x);
+double contact_face_energy(const contact_set *set, const contact *c);
+void contact_face_block(const contact *c, int a, int b, double k[9]);
+
+/* Computes the pressure; returns its slope, N/m. */
+double contact_face_pressure(const contact_set *set, contact *c);
+
+/* Pressure's force on corner i. */
+void contact_face_push(const contact *c, int i, double force[3]);
+
+/* Gives a contact its law: stiffness, N/m, is its part of that of its nodes, spacing that of the mesh there.
+ */
+void contact_face_law(const contact_set *set, const palp_tool *tool, double stiffness, double spacing,
+                      contact *c);
 
 /* ---- terms of a network ---- */
 

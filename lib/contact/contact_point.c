@@ -115,6 +115,10 @@ static bool is_inside_triangle(const contact *c) {
 
 void contact_measure(const palp_tool *tool, contact *c, const double *x) {
     double centre[3];
+    if (c->fixed) {
+        contact_face_measure(tool, c, x);
+        return;
+    }
     if (c->corners == 1) {
         measure_depth_of_node(tool, c, x);
         return;
@@ -153,6 +157,8 @@ static double penalty_force_at_depth(const contact_set *set, const contact *c, d
 }
 
 double contact_energy(const contact_set *set, const contact *c) {
+    if (c->fixed)
+        return contact_face_energy(set, c);
     double smooth = set->settings.smoothing * set->edge, d = c->depth;
     if (d < smooth)
         return c->stiffness * d * d * d / (6.0 * smooth);
@@ -183,6 +189,10 @@ static double evaluate_normal_force(const contact_set *set, const palp_tool *too
     return slope;
 }
 
+double contact_normal_force(const contact *c) {
+    return c->pressure * (c->fixed ? c->face.size : 1.0);
+}
+
 /* A spring as stiff as the penalty from the anchor to the point, along the surface; where it pulls harder
  * than friction holds, it slips (return mapping). The part of the tangent by which slip follows the pressure,
  * which has this slope, has no mirror image and stands apart, as drag: factors are of symmetric matrices. */
@@ -191,7 +201,7 @@ static void evaluate_friction_force(contact *c, double coefficient, double slope
     contact_point(c, c->stick_share, x, u);
     along3(u, -1.0, c->anchor, u);
     along3(u, -dot3(u, c->normal), c->normal, u);
-    double pull = stiffness * sqrt(dot3(u, u)), limit = coefficient * c->pressure;
+    double pull = stiffness * sqrt(dot3(u, u)), limit = coefficient * contact_normal_force(c);
     bool slips = pull > limit;
     double share = c->kept = slips ? limit / pull : 1.0;
     for (int k = 0; k < 3; k++) {
@@ -212,7 +222,8 @@ void contact_evaluate(const contact_set *set, contact *c, const double *x) {
         c->depth = 0.0; /* a tool that far through the surface has lost it */
     if (!(c->depth > 0.0))
         return;
-    const double slope = evaluate_normal_force(set, tool, c);
+    const double slope = c->fixed ? contact_face_pressure(set, c) * c->face.size * c->face.size
+                                  : evaluate_normal_force(set, tool, c);
     if (tool->friction > 0.0)
         evaluate_friction_force(c, tool->friction, slope, x);
 }
@@ -223,10 +234,24 @@ static void multiply_symmetric_block(const double k[6], const double *p, double 
     out[2] = k[3] * p[0] + k[4] * p[1] + k[5] * p[2];
 }
 
+static void multiply_blocks(const contact *c, const double *u, double *out) {
+    for (int a = 0; a < c->corners; a++)
+        for (int b = 0; b < c->corners; b++) {
+            double k[9];
+            contact_block(c, a, b, k);
+            for (int i = 0; i < 3; i++)
+                out[3 * c->node[a] + i] += dot3(k + 3 * i, u + 3 * c->node[b]);
+        }
+}
+
 /* Second derivative of the distance d of a centre to a triangle:
  * d_ij = s_i s_j Q / d + n g_i' s_j + s_i g_j n' - d (g_i g_j) n n'
  * with n = -normal, the shares s, their gradients g, and Q = 1 - n n' without the directions of g. */
 void contact_times(const contact *c, const double *u, double *out) {
+    if (c->fixed) {
+        multiply_blocks(c, u, out);
+        return;
+    }
     double at_point[3], at_stick[3], along[3], slide[3] = {0.0}, across[3], turn[3];
     contact_point(c, c->share, u, at_point);
     contact_point(c, c->stick_share, u, at_stick);
@@ -257,6 +282,12 @@ void contact_whole_times(const contact *c, const double *u, double *out) {
 
 void contact_block(const contact *c, int a, int b, double k[9]) {
     static const unsigned char full[9] = {0, 1, 3, 1, 2, 4, 3, 4, 5};
+    if (c->fixed) {
+        for (int i = 0; i < 9; i++)
+            k[i] = c->share[a] * c->share[b] * c->friction_tangent[full[i]];
+        contact_face_block(c, a, b, k);
+        return;
+    }
     const double *ga = c->gradient[a], *gb = c->gradient[b], *n = c->normal;
     double both = c->distance * dot3(ga, gb);
     for (int i = 0; i < 9; i++) {

@@ -3,6 +3,10 @@
 
 #include <string.h>
 
+enum {
+    POINTS = 4,
+    SPARE = 1024
+}; /* room for fixed points near a tool: of a triangle on the average, and more */
 static const double SLID = 0.1; /* in edges: a contact whose point moved so far is found anew */
 
 /* ---- making -------------------------------------------------------------------------------------- */
@@ -27,12 +31,14 @@ static double mean_edge_length(const double *rest, size_t n_surface, const int32
 palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest,
                                size_t n_surface, const int32_t *surface, const double *unit, double edge,
                                size_t max_tools, const palp_contact_settings *settings) {
-    size_t all = max_tools * (n_surface > n_nodes ? n_surface : n_nodes), most = settings->max_contacts;
+    const size_t points = settings->local ? POINTS * n_surface + SPARE : n_surface;
+    size_t all = max_tools * (points > n_nodes ? points : n_nodes), most = settings->max_contacts;
     set->settings = *settings;
     set->n_nodes = n_nodes;
     set->max_tools = max_tools;
     set->max_contacts = most > 0 && most < all ? most : all;
     set->unit = unit;
+    set->rest = rest;
     set->edge = n_surface > 0 ? mean_edge_length(rest, n_surface, surface) : edge;
     set->tool = arena_take(memory, max_tools, sizeof *set->tool);
     set->pose = arena_take(memory, max_tools, sizeof *set->pose);
@@ -164,7 +170,12 @@ void contact_set_evaluate(contact_set *set, const double *x, double *force, doub
             continue;
         for (int j = 0; j < c->corners; j++) {
             double *f = force + 3 * c->node[j];
-            along3(f, c->share[j] * c->pressure, c->normal, f);
+            double push[3];
+            if (c->fixed) {
+                contact_face_push(c, j, push);
+                along3(f, 1.0, push, f);
+            } else
+                along3(f, c->share[j] * c->pressure, c->normal, f);
             along3(f, c->stick_share[j], c->friction, f);
         }
         *squares += c->stiffness * c->stiffness * dot3(c->point, c->point);
@@ -193,12 +204,13 @@ void contact_feel(const palp_tool *pose, const double point[3], double size, con
 
 static void add_force_on_tool(const palp_tool *pose, const contact *c, const double *x,
                               palp_tool_force *felt) {
-    double stuck[3];
+    double stuck[3], centre[3];
     contact_point(c, c->stick_share, x, stuck);
-    contact_feel(pose, c->point, c->pressure, c->normal, felt);
+    along3(pose->position_m, c->along, pose->axis, centre); /* through which a fixed point's force goes */
+    contact_feel(pose, c->fixed ? centre : c->point, contact_normal_force(c), c->normal, felt);
     contact_feel(pose, stuck, 1.0, c->friction, felt);
     felt->contacts++;
-    felt->depth_m = fmax(felt->depth_m, c->depth);
+    felt->depth_m = fmax(felt->depth_m, c->depth - c->early);
 }
 
 void contact_set_finish(contact_set *set, const double *x) {
@@ -216,6 +228,7 @@ void contact_set_finish(contact_set *set, const double *x) {
         add_force_on_tool(&set->pose[c->tool], c, x, &next->felt[c->tool]);
         contact_touch *t = &next->touch[next->n_touches++];
         t->tool = c->tool;
+        t->part = c->part;
         memcpy(t->node, c->node, sizeof t->node);
         memcpy(t->stretch, c->stretch, sizeof t->stretch);
         t->doubt = set->pose[c->tool].friction > 0.0 ? sqrt(c->kept) * c->doubt : 0.0;
@@ -224,7 +237,7 @@ void contact_set_finish(contact_set *set, const double *x) {
 
 /* Largest friction force of a contact, N. */
 static double friction_limit_of_contact(const contact_set *set, const contact *c) {
-    return c->depth > 0.0 ? set->pose[c->tool].friction * c->pressure : 0.0;
+    return c->depth > 0.0 ? set->pose[c->tool].friction * contact_normal_force(c) : 0.0;
 }
 
 /* A spring that slips loses its old error along the slip direction; a spring that starts has none. Both have

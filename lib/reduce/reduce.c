@@ -267,9 +267,9 @@ static palp_status check_creation_arguments(const palp_network *net, size_t n_pa
             "a network with mass, damage, a volume modulus or Poisson's ratio, or the formulation sedef2008 "
             "cannot be reduced");
     const contact_set *contacts = contact_of(net);
-    if (contacts && contacts->settings.subdivisions > 0)
+    if (contacts && (contacts->settings.subdivisions > 0 || contacts->settings.local))
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "a network whose tools touch a subdivided surface cannot be reduced");
+                              "a network whose tools touch a subdivided surface or local points cannot be reduced");
     return PALP_OK;
 }
 

@@ -173,8 +173,9 @@ START_TEST(a_small_sphere_feels_little_of_the_mesh) {
 }
 END_TEST
 
-/* A cube that is scaled as a solid and has its force under a bonded plate, with a smooth surface. */
-static palp_network *solid_block(size_t n, double stiffness, bool plate) {
+/* A cube that is scaled as a solid and has its force under a bonded plate, with a smooth surface or local
+ * points. */
+static palp_network *solid_block(size_t n, double stiffness, bool plate, bool local) {
     palp_mesh *mesh = cube(n, PALP_NEIGHBOURS_26);
     palp_material m = {.n_arms = 0};
     palp_network_settings settings = palp_network_settings_default();
@@ -182,7 +183,8 @@ static palp_network *solid_block(size_t n, double stiffness, bool plate) {
     palp_support supports[2];
     palp_network *net = NULL;
     palp_supports_default(supports);
-    touch.subdivisions = n > 5 ? 2 : 3;
+    touch.subdivisions = local ? 0 : n > 5 ? 2 : 3;
+    touch.local = local;
     ck_assert_int_eq(palp_law_polynomial(1, &stiffness, &m.law), PALP_OK);
     ck_assert_int_eq(palp_mesh_scale(mesh, PALP_SCALING_CONTINUUM, 0.0, NULL), PALP_OK);
     ck_assert_int_eq(palp_network_create(mesh, &m, plate ? 2 : 1, supports, &settings, &net, NULL), PALP_OK);
@@ -198,17 +200,19 @@ START_TEST(a_sphere_feels_the_solid) {
     static const struct {
         size_t nodes;
         double within, smallest; /* smallest radius for which, m */
-    } CASES[] = {{5, 0.15, 0.005}, {7, 0.12, 0.003}, {9, 0.12, 0.003}};
+    } CASES[] = {{5, 0.15, 0.005}, {7, 0.12, 0.003}, {9, 0.12, 0.003},
+                 {5, 0.12, 0.003}, {7, 0.1, 0.003},  {9, 0.12, 0.003}};
+    const bool local = _i >= 3;
     static const double RADIUS[] = {0.003, 0.005, 0.010}, PLATE = 8.18, MODULUS = 13590.0;
     const size_t n = CASES[_i].nodes;
-    palp_network *plate = solid_block(n, PLATE, true);
+    palp_network *plate = solid_block(n, PLATE, true, local);
     ck_assert_int_eq(palp_network_step(plate, 1e-5 * HEIGHT, INFINITY, NULL), PALP_OK);
     const double stiffness = PLATE * 1e-5 * PLATE / palp_network_force(plate),
                  edge = HEIGHT / (double)(n - 1);
     palp_network_free(plate);
     for (size_t r = 0; r < 3; r++)
         for (int place = 0; place < 3 && RADIUS[r] >= CASES[_i].smallest; place++) {
-            palp_network *net = solid_block(n, stiffness, false);
+            palp_network *net = solid_block(n, stiffness, false, local);
             for (int half = 1; half <= 2; half++) {
                 const double depth = 0.0005 * half, at = 0.5 * HEIGHT + 0.25 * place * edge;
                 palp_tool tool = sphere(at, HEIGHT - depth, 0.5 * HEIGHT + 0.2 * place * edge, RADIUS[r], 0);
@@ -278,7 +282,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, limits_are_loops);
     tcase_add_test(tc, a_sphere_feels_little_of_the_mesh);
     tcase_add_test(tc, a_small_sphere_feels_little_of_the_mesh);
-    tcase_add_loop_test(tc, a_sphere_feels_the_solid, 0, 3);
+    tcase_add_loop_test(tc, a_sphere_feels_the_solid, 0, 6);
     tcase_add_test(tc, forces_balance_and_work_comes_back);
     tcase_add_test(tc, no_cuts);
 }

@@ -71,11 +71,14 @@ static double uniform(double low, double high) {
     return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
 }
 
+enum { LOCAL = 9 }; /* instead of subdivisions: local points */
+
 /* A step half solved: tools inside the tissue, nodes off their places. */
 static palp_network *unsettled(const palp_tool *tools, size_t n, size_t subdivisions) {
     palp_material m = quartic(1);
     palp_contact_settings penalty = palp_contact_settings_default();
-    penalty.subdivisions = subdivisions;
+    penalty.local = subdivisions == LOCAL;
+    penalty.subdivisions = penalty.local ? 0 : subdivisions;
     palp_network *net = block(5, &m, 0.0, &penalty);
     const int32_t held = 124;
     ck_assert_int_eq(palp_network_grasp(net, 1, &held, (double[]){0.024, 0.0245, 0.0235}), PALP_OK);
@@ -126,8 +129,8 @@ START_TEST(tangent_is_the_derivative) {
         {sphere(0.0075, 0.0232, 0.0083, 0.004, 0), plane(0.0239, 0)},
         {capsule(0.0075, 0.0232, 0.0083, 0.003, 0), sphere(0.021, 0.0236, 0.021, 0.002, 0)},
         {plane(0.0237, 1e9), plane(0.0239, 0)}}; /* which sticks */
-    for (size_t t = 0; t < 6; t++) {
-        palp_network *net = unsettled(tools[t % 3], 2, t / 3);
+    for (size_t t = 0; t < 9; t++) {
+        palp_network *net = unsettled(tools[t % 3], 2, t < 6 ? t / 3 : LOCAL);
         size_t n = 3 * net->n_nodes;
         double *v = malloc(n * sizeof *v);
         for (int k = 0; k < 3; k++) {
@@ -209,6 +212,7 @@ static void assembled_is_that_of_the_products(size_t subdivisions) {
 START_TEST(assembled_tangent_is_that_of_the_products) {
     assembled_is_that_of_the_products(0);
     assembled_is_that_of_the_products(2);
+    assembled_is_that_of_the_products(LOCAL);
 }
 END_TEST
 
