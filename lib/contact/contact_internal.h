@@ -184,9 +184,6 @@ double contact_energy(const contact_set *set, const contact *c);
 /* Barycentric coordinates of the point of a triangle nearest to p. */
 void contact_nearest(const double *const corner[3], const double p[3], double share[3]);
 
-/* Sum of share[i] times the contact's nodes in x[3 n_nodes]. */
-void contact_point(const contact *c, const double share[3], const double *x, double point[3]);
-
 /* ---- contact_face.c: fixed points of triangles ---- */
 
 /* As contact_measure, contact_energy and contact_block; forces and the tangent are without friction, k is
@@ -230,6 +227,13 @@ static inline void cross3(const double *a, const double *b, double out[3]) {
 static inline void along3(const double *a, double s, const double *b, double out[3]) {
     for (int k = 0; k < 3; k++)
         out[k] = a[k] + s * b[k];
+}
+
+/* Sum of share[i] times the contact's nodes in x[3 n_nodes]. */
+static inline void contact_point(const contact *c, const double share[3], const double *x, double point[3]) {
+    point[0] = point[1] = point[2] = 0.0;
+    for (int i = 0; i < c->corners; i++)
+        along3(point, share[i], x + 3 * c->node[i], point);
 }
 
 static inline bool positive(double v) {

@@ -4,12 +4,6 @@
 
 #include <string.h>
 
-void contact_point(const contact *c, const double share[3], const double *x, double point[3]) {
-    point[0] = point[1] = point[2] = 0.0;
-    for (int i = 0; i < c->corners; i++)
-        along3(point, share[i], x + 3 * c->node[i], point);
-}
-
 /* ---- where --------------------------------------------------------------------------------------- */
 
 /* Ericson 2005, 5.1.5. */

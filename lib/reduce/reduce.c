@@ -268,8 +268,9 @@ static palp_status check_creation_arguments(const palp_network *net, size_t n_pa
             "cannot be reduced");
     const contact_set *contacts = contact_of(net);
     if (contacts && (contacts->settings.subdivisions > 0 || contacts->settings.local))
-        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "a network whose tools touch a subdivided surface or local points cannot be reduced");
+        return palp_error_set(
+            error, PALP_ERR_UNSUPPORTED,
+            "a network whose tools touch a subdivided surface or local points cannot be reduced");
     return PALP_OK;
 }
 
