@@ -112,6 +112,7 @@ static palp_status begin_from_committed_state(palp_realtime *rt) {
     rt->definite = rt->idle = rt->near = false;
     rt->contraction = 1.0;
     rt->error_ratio = rt->remembered = rt->anchored = rt->guessed = 0.0;
+    memset(rt->arm_error, 0, sizeof rt->arm_error);
     return status;
 }
 
@@ -364,17 +365,21 @@ static palp_status continue_at_tool_share(palp_realtime *rt, tick *t, double sha
     return PALP_OK;
 }
 
-/* Arms relax at positions that have an error, and remember the force of that. For the plate it is of first
+/* Arms relax at positions that have an error, and remember the force of that. With the error d of the
+ * positions after a tick, arm j of stiffness K_j is off by K_j (d - m), where m <- decay_j m + (1 - decay_j) d
+ * from tick to tick: a weighted mean of earlier errors. K_j m moves the nodes by no more than m times the arm's
+ * share of the stiffness, which is itself part of the next d. For the plate the force of that is of first
  * order, as arms and springs have different equilibria. */
 static void remember_position_errors(palp_realtime *rt, const tick *t) {
     const palp_network *net = rt->net;
-    const double leak = realtime_leak(net);
-    double slowest = 0.0;
-    for (size_t j = 0; j < net->material.n_arms; j++)
-        slowest = fmax(slowest, net->step.decay[j]);
-    rt->remembered = slowest * rt->remembered + fmin(leak, 1.0) * (t->fresh_error + rt->anchored);
-    if (rt->driven)
-        rt->remembered += leak * rt->forgets * t->place_error;
+    const double error = t->fresh_error + rt->anchored + rt->remembered +
+                         (rt->driven ? rt->forgets * t->place_error : 0.0);
+    rt->remembered = 0.0;
+    for (size_t j = 0; j < net->material.n_arms; j++) {
+        const double decay = net->step.decay[j];
+        rt->arm_error[j] = decay * rt->arm_error[j] + (1.0 - decay) * realtime_arm_share(net, j) * error;
+        rt->remembered += rt->arm_error[j];
+    }
 }
 
 /* After the commit: works on the adjoint or the next factor with the tangent of the last evaluation. A tick

@@ -58,10 +58,15 @@ static void correct_adjoint_along(palp_realtime *rt) {
         rt->adjoint[i] += rz / curvature * z[i];
 }
 
-double realtime_leak(const palp_network *net) {
+double realtime_arm_share(const palp_network *net, size_t arm) {
+    return net->material.arms[arm].stiffness_N / net->modulus;
+}
+
+/* Share of the stiffness that relaxes in this step. */
+static double relaxing_share(const palp_network *net) {
     double sum = 0.0;
     for (size_t j = 0; j < net->material.n_arms; j++)
-        sum += 1.0 - net->step.decay[j];
+        sum += (1.0 - net->step.decay[j]) * realtime_arm_share(net, j);
     return sum;
 }
 
@@ -121,10 +126,10 @@ static void precondition_memory_down(palp_realtime *rt) {
 
 static void measure_forgotten_energy(palp_realtime *rt) {
     find_adjoint_direction(rt);
-    const double leak = realtime_leak(rt->net),
+    const double relaxing = relaxing_share(rt->net),
                  square = network_dot(rt->adjoint_r, rt->adjoint_z, 3 * rt->net->n_nodes);
-    if (leak > 0.0)
-        rt->forgets = sqrt(fabs(square)) / leak;
+    if (relaxing > 0.0)
+        rt->forgets = sqrt(fabs(square)) / relaxing;
 }
 
 void realtime_improve_adjoint(palp_realtime *rt, int part) {

@@ -57,12 +57,13 @@ struct palp_realtime {
     double adjoint_far;      /* distance of the nodes from there, m, as one vector */
     double adjoint_farthest; /* the largest adjoint_far so far */
     double adjoint_found;    /* adjoint_far when the correction in progress began */
-    double forgets; /* error of the force by what arms relax in a tick, over realtime_leak and the error of
-                       the positions in the energy norm */
+    double forgets; /* error of the force by what arms relax in a tick, over the share of the stiffness that
+                       relaxes and the error of the positions in the energy norm */
     double doubt;   /* largest ratio of an error in the energy norm to the factor's estimate of it; 1 if both
                        agree */
     double error_ratio;              /* that error over |residual|, when last estimated */
-    double remembered;               /* error of the force in the arms' history, N */
+    double arm_error[PALP_ARMS_MAX]; /* error of the force in each arm's history, N */
+    double remembered;               /* their sum */
     double anchored;                 /* error of the force in the reference points of friction, N */
     double guessed;                  /* residual of the last tick's first guess, N */
     double contraction;              /* final over first residual of the last tick */
@@ -117,8 +118,8 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enou
 enum { ADJOINT_PARTS = 4, FORCE_PARTS = 8 };
 void realtime_improve_adjoint(palp_realtime *rt, int part);
 
-/* Sum over the arms of the share of force that relaxes in this step. */
-double realtime_leak(const palp_network *net);
+/* An arm's share of the stiffness of an element at rest. */
+double realtime_arm_share(const palp_network *net, size_t arm);
 
 /* Updates adjoint_far for next.x. Error of the adjoint there, in the energy norm. */
 void realtime_follow_adjoint(palp_realtime *rt);

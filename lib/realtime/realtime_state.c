@@ -47,6 +47,7 @@ static void pass_realtime_state(palp_realtime *rt, network_cursor *c) {
                          &rt->remembered,    &rt->anchored,     &rt->guessed,     &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
+    network_pass(c, rt->arm_error, sizeof rt->arm_error);
     network_pass(c, &rt->idle, sizeof rt->idle);
     network_pass(c, &rt->near, sizeof rt->near);
     network_pass(c, &rt->part, sizeof rt->part);
