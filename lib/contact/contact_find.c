@@ -166,8 +166,9 @@ static bool place_friction_anchor(const contact_set *set, const double *committe
     along3(place, 1.0, moved, c->anchor);
     c->entry = 1.0;
     c->touched = touch != NULL;
-    c->doubt = touch ? touch->doubt : 0.0;
     if (touch) {
+        c->doubt = touch->doubt;
+        memcpy(c->was, touch->stretch, sizeof c->was);
         along3(c->anchor, -1.0, touch->stretch, c->anchor);
         return true;
     }

@@ -16,6 +16,12 @@ typedef struct contact_law {
     double root, linear, steep, hard, limit;
 } contact_law;
 
+/* Error of where friction's spring starts, times the tissue's stiffness there, N: along its stretch if it
+ * slipped, and across it or, if it stuck, in any direction. */
+typedef struct contact_doubt {
+    double along, across;
+} contact_doubt;
+
 /* A point of the surface near a tool: a node, or the point of a triangle that is nearest to the tool. */
 typedef struct contact {
     int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1, share = {1, 0, 0} */
@@ -28,7 +34,8 @@ typedef struct contact {
     double stiffness;      /* N/m */
     double stick_share[3]; /* barycentric coordinates of the point of friction, constant in a step */
     double anchor[3];      /* start of friction's spring, moves with the tool */
-    double doubt;          /* error of the force in the start of friction's spring, N */
+    double was[3];         /* stretch of friction's spring in the committed state, m */
+    contact_doubt doubt;   /* of its start */
     bool touched;          /* touched in the committed state */
     double entry;          /* share of the step since contact began */
     /* at the last evaluation */
@@ -55,7 +62,8 @@ typedef struct contact {
 /* A contact that touched, with friction's spring. */
 typedef struct contact_touch {
     int32_t tool, node[3], part;
-    double stretch[3], doubt;
+    double stretch[3];
+    contact_doubt doubt;
 } contact_touch;
 
 /* What a state keeps of contacts. */
@@ -129,9 +137,12 @@ bool contact_set_refresh(contact_set *set, const double *committed, const double
 void contact_set_finish(contact_set *set, const double *x);
 void contact_set_swap(contact_set *set);
 
-/* After finish, for a state whose forces have this error: the part of it that friction's springs keep,
- * summed, N. */
-double contact_set_doubt(contact_set *set, double error);
+/* Error of the forces at the last evaluation by errors of friction's history, summed, N. */
+double contact_set_doubt(const contact_set *set);
+
+/* After finish: adds this step's errors to that history. Points may be off by change[3 n_nodes], m; where that
+ * is NULL the forces by error, N. */
+void contact_set_keep_doubt(contact_set *set, const double *change, double error);
 
 /* After finish: is a tool inside the body of surface[3 n] without touching it? */
 bool contact_set_inside(const contact_set *set, size_t n, const int32_t *surface, const double *x);

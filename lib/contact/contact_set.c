@@ -231,22 +231,65 @@ void contact_set_finish(contact_set *set, const double *x) {
         t->part = c->part;
         memcpy(t->node, c->node, sizeof t->node);
         memcpy(t->stretch, c->stretch, sizeof t->stretch);
-        t->doubt = set->pose[c->tool].friction > 0.0 ? sqrt(c->kept) * c->doubt : 0.0;
     }
 }
+
+/* ---- errors that friction remembers ---------------------------------------------------------------- */
 
 /* Largest friction force of a contact, N. */
 static double friction_limit_of_contact(const contact_set *set, const contact *c) {
     return c->depth > 0.0 ? set->pose[c->tool].friction * contact_normal_force(c) : 0.0;
 }
 
-/* A spring that slips loses its old error along the slip direction; a spring that starts has none. Both have
- * the error of this tick's solution there. Across the slip direction the stiffness k falls to k kept_i. With
- * M these stiffnesses and K the tissue's, old errors a give the forces (1/M + 1/K)^-1 a = M^1/2 C M^1/2 a,
- * where C contracts: of contact j at i no more than sqrt(kept_i kept_j) k a_j, and a neighbour may stick,
- * kept_j = 1. The error of a spring is at most twice the friction that it can hold. */
-double contact_set_doubt(contact_set *set, double error) {
-    double all = 0.0, sum = 0.0;
+/* What is left of earlier errors of a spring's start, as a force: the error times the tissue's stiffness K of
+ * the point. A spring of stiffness k that slips keeps its force along the way at the limit, whatever the error
+ * there was. Across the way only its share kept remains: its stiffness is k kept, so an error a moves the point
+ * by y = k kept a / (K + k kept), and its new start is off by y + kept (a - y) = kept (K + k) a / (K + k kept).
+ * The way turns from tick to tick: some of the error along the last one is across the new one. */
+static contact_doubt doubt_after_slip(const contact_set *set, const contact *c) {
+    const double soft = 1.0 / set->settings.stiffness;
+    double cross[3], turn = 1.0;
+    if (!(c->kept < 1.0))
+        return (contact_doubt){.across = sqrt(c->doubt.across * c->doubt.across + c->doubt.along * c->doubt.along)};
+    cross3(c->was, c->stretch, cross);
+    const double lengths = dot3(c->was, c->was) * dot3(c->stretch, c->stretch);
+    if (lengths > 0.0)
+        turn = sqrt(dot3(cross, cross) / lengths);
+    const double slip = (1.0 / c->kept - 1.0) * sqrt(dot3(c->stretch, c->stretch)) * c->stiffness * soft,
+                 behind = fmax(0.0, c->doubt.along - slip);
+    return (contact_doubt){.across = behind + c->kept * (1.0 + soft) / (c->kept + soft) *
+                                     (c->doubt.across + turn * c->doubt.along)};
+}
+
+double contact_set_doubt(const contact_set *set) {
+    double sum = 0.0;
+    for (size_t i = 0; i < set->n_contacts; i++)
+        if (friction_limit_of_contact(set, &set->contact[i]) > 0.0)
+            sum += doubt_after_slip(set, &set->contact[i]).across;
+    return sum;
+}
+
+/* Adds the error of this step's slip, if the point is off by d. A spring that slips along a direction starts
+ * anew from the point less limit / k, of which the limit changes with the pressure; across that direction it
+ * keeps its share. One that sticks slips by what d is more than its room up to the limit. */
+static void add_error_of_slip(const contact_set *set, const contact *c, const double off[3], contact_doubt *doubt) {
+    const double friction = set->pose[c->tool].friction, own = c->stiffness / set->settings.stiffness,
+                 down = dot3(off, c->normal), length = sqrt(dot3(c->stretch, c->stretch));
+    double d[3];
+    along3(off, -down, c->normal, d);
+    const double size = sqrt(dot3(d, d)), pressed = friction * fabs(down);
+    if (c->kept < 1.0 && length > 0.0) {
+        const double along = fabs(dot3(d, c->stretch)) / length;
+        doubt->along = own * (along + pressed);
+        doubt->across += own * (1.0 - c->kept) * sqrt(fmax(0.0, size * size - along * along));
+    } else {
+        const double room = c->touched ? friction * c->pressure / c->stiffness - c->entry * length : 0.0;
+        doubt->across = fmax(doubt->across, own * (size + pressed - fmax(0.0, room)));
+    }
+}
+
+void contact_set_keep_doubt(contact_set *set, const double *change, double error) {
+    double all = 0.0;
     contact_touch *t = set->next.touch;
     for (size_t i = 0; i < set->n_contacts; i++)
         all += friction_limit_of_contact(set, &set->contact[i]);
@@ -254,13 +297,23 @@ double contact_set_doubt(contact_set *set, double error) {
         const contact *c = &set->contact[i];
         if (!(c->depth > 0.0))
             continue;
-        const bool moves = c->kept < 1.0 || !c->touched;
-        const double most = friction_limit_of_contact(set, c),
-                     own = most > 0.0 && moves ? error * most / all : 0.0;
-        t->doubt = fmin(fmax(own, t->doubt + (1.0 - c->kept) * own), 2.0 * most);
-        sum += t++->doubt;
+        const double most = friction_limit_of_contact(set, c);
+        double off[3];
+        t->doubt = (contact_doubt){0.0, 0.0};
+        if (most > 0.0) {
+            t->doubt = doubt_after_slip(set, c);
+            if (change) {
+                contact_point(c, c->stick_share, change, off);
+                add_error_of_slip(set, c, off, &t->doubt);
+            } else if (c->kept < 1.0 || !c->touched) {
+                t->doubt.along = error * most / all;
+                t->doubt.across += (1.0 - c->kept) * t->doubt.along;
+            }
+            t->doubt.along = fmin(t->doubt.along, 2.0 * most);
+            t->doubt.across = fmin(t->doubt.across, 2.0 * most);
+        }
+        t++;
     }
-    return sum;
 }
 
 void contact_set_swap(contact_set *set) {

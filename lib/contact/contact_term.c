@@ -260,9 +260,15 @@ static void share_contact_residual(network_term *term, palp_network *net, const 
     }
 }
 
-static void add_force_uncertainty(network_term *term, palp_network *net, double error, double *sum) {
+static void add_force_uncertainty(const network_term *term, const palp_network *net, double *sum) {
     (void)net;
-    *sum += contact_set_doubt(contact_set_of_term(term), error);
+    *sum += contact_set_doubt(const_contact_set_of_term(term));
+}
+
+static void keep_force_uncertainty(network_term *term, palp_network *net, const double *change, double error) {
+    contact_term *t = (contact_term *)term;
+    (void)net;
+    contact_set_keep_doubt(&t->set, change && t->layer ? layer_places(t->layer, change) : change, error);
 }
 
 static const network_term_kind CONTACT = {.reset = reset_contact_term,
@@ -282,7 +288,8 @@ static const network_term_kind CONTACT = {.reset = reset_contact_term,
                                           .inside = is_any_tool_inside_body,
                                           .weigh = add_contact_weights,
                                           .share_residual = share_contact_residual,
-                                          .doubt = add_force_uncertainty};
+                                          .doubt = add_force_uncertainty,
+                                          .keep_doubt = keep_force_uncertainty};
 
 contact_set *contact_of(const palp_network *net) {
     network_term *term = network_find_term(net, &CONTACT);

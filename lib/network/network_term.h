@@ -68,8 +68,11 @@ typedef struct network_term_kind {
     void (*share_residual)(network_term *term, palp_network *net, const double *weight,
                            const double *residual);
 
-    /* After finish: adds to *sum which part of an error of its forces, N, the term's history keeps. */
-    void (*doubt)(network_term *term, palp_network *net, double error, double *sum);
+    /* doubt adds to *sum the error of its forces at the last evaluation by errors in its history, N. After
+     * finish, keep_doubt adds to that history the errors of this step: nodes may be off by change[3 n_nodes],
+     * m; where that is NULL, forces by error, N. */
+    void (*doubt)(const network_term *term, const palp_network *net, double *sum);
+    void (*keep_doubt)(network_term *term, palp_network *net, const double *change, double error);
 
     /* For a term on all nodes, not one that touches from outside: a part of its blocks, 0 of 1 = all, each on
      * a node or an element. Their sum is positive semidefinite, or nearly, and at most spread times the

@@ -28,7 +28,7 @@ static const double MARGIN = 0.5;
 /* Above this share of the allowed error the next tick evaluates the tangent, as it may have to correct. */
 static const double NEAR = 0.7;
 /* Friction may remember so many times the error of a tick. */
-static const double ANCHORED = 6.0;
+static const double ANCHORED = 3.0;
 /* Time step of the tangent of the first factor, s. */
 static const double INSTANT = 1e-3;
 /* Limits of backtracking steps, rounds and corrections where the budget sets none. */
@@ -176,6 +176,7 @@ typedef struct tick {
     double first;       /* norm of the first guess */
     double place_error; /* of this tick's positions, in the energy norm of the tangent */
     double fresh_error; /* error of the force due to place_error, N */
+    bool moved;         /* rt->move is the last correction, which was taken */
     bool near;          /* the estimated error is nearly as large as the budget allows */
     size_t before;      /* corrections made while tools were moved in parts */
 } tick;
@@ -241,6 +242,8 @@ static void assess_residual_and_force(palp_realtime *rt, tick *t) {
     t->info.residual = t->scale > 0.0 ? net->settings.tolerance * t->norm / t->scale : 0.0;
     t->info.force_N = rt->driven ? force - work : 0.0;
     t->fresh_error = t->place_error * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
+    rt->anchored = 0.0;
+    NETWORK_EACH_TERM(net, doubt, net, &rt->anchored);
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
     double most = allowed_force_error(rt, t);
     t->near = t->info.force_error_N > NEAR * most;
@@ -295,8 +298,12 @@ static bool go_along_search_direction(palp_realtime *rt, tick *t) {
             if (i == 0)
                 update_running_mean(&rt->times.evaluation, realtime_clock() - start);
             after = network_dot(rt->r, rt->move, 3 * net->n_nodes);
-            if (i == TRIES || (after >= -OVERRUN * before && (i == 0 || after <= OVERRUN * before)))
+            if (i == TRIES || (after >= -OVERRUN * before && (i == 0 || after <= OVERRUN * before))) {
+                for (size_t k = 0; k < 3 * net->n_nodes; k++)
+                    rt->move[k] = ANCHORED * (net->next.x[k] - rt->q[k]);
+                t->moved = true;
                 return true;
+            }
         }
         if (after > 0.0) {
             low = alpha;
@@ -308,6 +315,7 @@ static bool go_along_search_direction(palp_realtime *rt, tick *t) {
         alpha = low + secant_part_of_move(at_low, at_high) * (high - low);
     }
     memcpy(net->next.x, rt->q, 3 * net->n_nodes * sizeof *rt->q);
+    t->moved = false;
     realtime_evaluate(rt, true, false);
     assess_residual_and_force(rt, t);
     return false;
@@ -407,8 +415,7 @@ static palp_status commit_corrected_state(palp_realtime *rt, const tick *t) {
         memcpy(rt->tissue, net->fint, 3 * net->n_nodes * sizeof *rt->tissue);
     realtime_weigh(rt);
     NETWORK_EACH_TERM(net, share_residual, net, rt->weight, rt->r);
-    rt->anchored = 0.0;
-    NETWORK_EACH_TERM(net, doubt, net, ANCHORED * t->fresh_error, &rt->anchored);
+    NETWORK_EACH_TERM(net, keep_doubt, net, t->moved ? rt->move : NULL, ANCHORED * t->fresh_error);
     net->next.force = t->info.force_N;
     net->trial = true;
     net->trial_checked = false;

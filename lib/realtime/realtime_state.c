@@ -44,7 +44,7 @@ static void pass_realtime_state(palp_realtime *rt, network_cursor *c) {
     network_pass(c, rt->adjoint_half, multigrid_half_size(rt->mg) * sizeof *rt->adjoint_half);
     double *numbers[] = {&rt->adjoint_error, &rt->adjoint_rate, &rt->adjoint_far, &rt->adjoint_farthest,
                          &rt->adjoint_found, &rt->forgets,      &rt->doubt,       &rt->error_ratio,
-                         &rt->remembered,    &rt->anchored,     &rt->guessed,     &rt->contraction};
+                         &rt->remembered,    &rt->guessed,     &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
     network_pass(c, rt->arm_error, sizeof rt->arm_error);
