@@ -25,6 +25,8 @@ static const double ASIDE = 0.15;
 static const double SAFETY = 3.0;
 /* Corrections stop at this share of the error that the budget allows. */
 static const double MARGIN = 0.5;
+/* No correction is made for less than this share of the allowed error: earlier ticks' errors stay. */
+static const double LITTLE = 0.1;
 /* Above this share of the allowed error the next tick evaluates the tangent, as it may have to correct. */
 static const double NEAR = 0.7;
 /* Friction may remember so many times the error of a tick. */
@@ -177,6 +179,7 @@ typedef struct tick {
     double place_error; /* of this tick's positions, in the energy norm of the tangent */
     double fresh_error; /* error of the force due to place_error, N */
     bool moved;         /* rt->move is the last correction, which was taken */
+    bool enough;        /* a correction cannot lower the estimated error by much of what the budget allows */
     bool near;          /* the estimated error is nearly as large as the budget allows */
     size_t before;      /* corrections made while tools were moved in parts */
 } tick;
@@ -247,6 +250,7 @@ static void assess_residual_and_force(palp_realtime *rt, tick *t) {
     t->info.force_error_N = t->fresh_error + rt->remembered + rt->anchored;
     double most = allowed_force_error(rt, t);
     t->near = t->info.force_error_N > NEAR * most;
+    t->enough = rt->error_ratio > 0.0 && t->fresh_error < LITTLE * most;
     t->info.converged = t->norm <= t->scale || (rt->error_ratio > 0.0 && t->info.force_error_N < most);
 }
 
@@ -325,15 +329,16 @@ static bool go_along_search_direction(palp_realtime *rt, tick *t) {
 static double allowed_position_error(palp_realtime *rt, const tick *t) {
     const double error =
         SAFETY * realtime_doubt(rt) * (realtime_adjoint_error(rt) + sqrt(realtime_own_stiffness(rt)));
+    const double most = allowed_force_error(rt, t);
     return t->budget.force_error > 0.0
-               ? fmax(0.0, MARGIN * allowed_force_error(rt, t) - rt->remembered - rt->anchored) / error
+               ? fmax(LITTLE * most, MARGIN * most - rt->remembered - rt->anchored) / error
                : 0.0;
 }
 
 static void correct_within_budget(palp_realtime *rt, tick *t) {
     const bool touched = rt->direction;
     const int rounds = touched ? SINGLE_ROUNDS : ROUNDS;
-    for (int i = 0; !t->info.converged; i++) {
+    for (int i = 0; !t->info.converged && !t->enough; i++) {
         size_t left = corrections_left_in_budget(rt, t);
         if (left == 0)
             return;
