@@ -140,8 +140,8 @@ void contact_set_swap(contact_set *set);
 /* Error of the forces at the last evaluation by errors of friction's history, summed, N. */
 double contact_set_doubt(const contact_set *set);
 
-/* After finish: adds this step's errors to that history. Points may be off by change[3 n_nodes], m; where that
- * is NULL the forces by error, N. */
+/* After finish: adds this step's errors to that history. Points may be off by change[3 n_nodes], m; where
+ * that is NULL the forces by error, N. */
 void contact_set_keep_doubt(contact_set *set, const double *change, double error);
 
 /* After finish: is a tool inside the body of surface[3 n] without touching it? */

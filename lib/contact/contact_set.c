@@ -242,37 +242,43 @@ static double friction_limit_of_contact(const contact_set *set, const contact *c
 }
 
 /* What is left of earlier errors of a spring's start, as a force: the error times the tissue's stiffness K of
- * the point. A spring of stiffness k that slips keeps its force along the way at the limit, whatever the error
- * there was. Across the way only its share kept remains: its stiffness is k kept, so an error a moves the point
- * by y = k kept a / (K + k kept), and its new start is off by y + kept (a - y) = kept (K + k) a / (K + k kept).
- * The way turns from tick to tick: some of the error along the last one is across the new one. */
+ * the point. A spring of stiffness k that slips keeps its force along the way at the limit, whatever the
+ * error there was. Across the way only its share kept remains: its stiffness is k kept, so an error a moves
+ * the point by y = k kept a / (K + k kept), and its new start is off by y + kept (a - y) = kept (K + k) a /
+ * (K + k kept). The way turns from tick to tick: some of the error along the last one is across the new one.
+ */
 static contact_doubt doubt_after_slip(const contact_set *set, const contact *c) {
     const double soft = 1.0 / set->settings.stiffness;
     double cross[3], turn = 1.0;
     if (!(c->kept < 1.0))
-        return (contact_doubt){.across = sqrt(c->doubt.across * c->doubt.across + c->doubt.along * c->doubt.along)};
+        return (contact_doubt){.across =
+                                   sqrt(c->doubt.across * c->doubt.across + c->doubt.along * c->doubt.along)};
     cross3(c->was, c->stretch, cross);
     const double lengths = dot3(c->was, c->was) * dot3(c->stretch, c->stretch);
     if (lengths > 0.0)
         turn = sqrt(dot3(cross, cross) / lengths);
     const double slip = (1.0 / c->kept - 1.0) * sqrt(dot3(c->stretch, c->stretch)) * c->stiffness * soft,
                  behind = fmax(0.0, c->doubt.along - slip);
-    return (contact_doubt){.across = behind + c->kept * (1.0 + soft) / (c->kept + soft) *
+    return (contact_doubt){.along = behind,
+                           .across = c->kept * (1.0 + soft) / (c->kept + soft) *
                                      (c->doubt.across + turn * c->doubt.along)};
 }
 
 double contact_set_doubt(const contact_set *set) {
     double sum = 0.0;
     for (size_t i = 0; i < set->n_contacts; i++)
-        if (friction_limit_of_contact(set, &set->contact[i]) > 0.0)
-            sum += doubt_after_slip(set, &set->contact[i]).across;
+        if (friction_limit_of_contact(set, &set->contact[i]) > 0.0) {
+            const contact_doubt doubt = doubt_after_slip(set, &set->contact[i]);
+            sum += doubt.across + doubt.along;
+        }
     return sum;
 }
 
 /* Adds the error of this step's slip, if the point is off by d. A spring that slips along a direction starts
  * anew from the point less limit / k, of which the limit changes with the pressure; across that direction it
  * keeps its share. One that sticks slips by what d is more than its room up to the limit. */
-static void add_error_of_slip(const contact_set *set, const contact *c, const double off[3], contact_doubt *doubt) {
+static void add_error_of_slip(const contact_set *set, const contact *c, const double off[3],
+                              contact_doubt *doubt) {
     const double friction = set->pose[c->tool].friction, own = c->stiffness / set->settings.stiffness,
                  down = dot3(off, c->normal), length = sqrt(dot3(c->stretch, c->stretch));
     double d[3];
@@ -280,7 +286,7 @@ static void add_error_of_slip(const contact_set *set, const contact *c, const do
     const double size = sqrt(dot3(d, d)), pressed = friction * fabs(down);
     if (c->kept < 1.0 && length > 0.0) {
         const double along = fabs(dot3(d, c->stretch)) / length;
-        doubt->along = own * (along + pressed);
+        doubt->along = fmax(doubt->along, own * (along + pressed));
         doubt->across += own * (1.0 - c->kept) * sqrt(fmax(0.0, size * size - along * along));
     } else {
         const double room = c->touched ? friction * c->pressure / c->stiffness - c->entry * length : 0.0;
@@ -306,7 +312,7 @@ void contact_set_keep_doubt(contact_set *set, const double *change, double error
                 contact_point(c, c->stick_share, change, off);
                 add_error_of_slip(set, c, off, &t->doubt);
             } else if (c->kept < 1.0 || !c->touched) {
-                t->doubt.along = error * most / all;
+                t->doubt.along = fmax(t->doubt.along, error * most / all);
                 t->doubt.across += (1.0 - c->kept) * t->doubt.along;
             }
             t->doubt.along = fmin(t->doubt.along, 2.0 * most);

@@ -265,7 +265,8 @@ static void add_force_uncertainty(const network_term *term, const palp_network *
     *sum += contact_set_doubt(const_contact_set_of_term(term));
 }
 
-static void keep_force_uncertainty(network_term *term, palp_network *net, const double *change, double error) {
+static void keep_force_uncertainty(network_term *term, palp_network *net, const double *change,
+                                   double error) {
     contact_term *t = (contact_term *)term;
     (void)net;
     contact_set_keep_doubt(&t->set, change && t->layer ? layer_places(t->layer, change) : change, error);

@@ -379,14 +379,14 @@ static palp_status continue_at_tool_share(palp_realtime *rt, tick *t, double sha
 }
 
 /* Arms relax at positions that have an error, and remember the force of that. With the error d of the
- * positions after a tick, arm j of stiffness K_j is off by K_j (d - m), where m <- decay_j m + (1 - decay_j) d
- * from tick to tick: a weighted mean of earlier errors. K_j m moves the nodes by no more than m times the arm's
- * share of the stiffness, which is itself part of the next d. For the plate the force of that is of first
- * order, as arms and springs have different equilibria. */
+ * positions after a tick, arm j of stiffness K_j is off by K_j (d - m), where m <- decay_j m + (1 - decay_j)
+ * d from tick to tick: a weighted mean of earlier errors. K_j m moves the nodes by no more than m times the
+ * arm's share of the stiffness, which is itself part of the next d. For the plate the force of that is of
+ * first order, as arms and springs have different equilibria. */
 static void remember_position_errors(palp_realtime *rt, const tick *t) {
     const palp_network *net = rt->net;
-    const double error = t->fresh_error + rt->anchored + rt->remembered +
-                         (rt->driven ? rt->forgets * t->place_error : 0.0);
+    const double error =
+        t->fresh_error + rt->anchored + rt->remembered + (rt->driven ? rt->forgets * t->place_error : 0.0);
     rt->remembered = 0.0;
     for (size_t j = 0; j < net->material.n_arms; j++) {
         const double decay = net->step.decay[j];

@@ -44,7 +44,7 @@ static void pass_realtime_state(palp_realtime *rt, network_cursor *c) {
     network_pass(c, rt->adjoint_half, multigrid_half_size(rt->mg) * sizeof *rt->adjoint_half);
     double *numbers[] = {&rt->adjoint_error, &rt->adjoint_rate, &rt->adjoint_far, &rt->adjoint_farthest,
                          &rt->adjoint_found, &rt->forgets,      &rt->doubt,       &rt->error_ratio,
-                         &rt->remembered,    &rt->guessed,     &rt->contraction};
+                         &rt->remembered,    &rt->guessed,      &rt->contraction};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         network_pass(c, numbers[i], sizeof(double));
     network_pass(c, rt->arm_error, sizeof rt->arm_error);
@@ -78,7 +78,7 @@ static header state_buffer_header(const palp_realtime *rt) {
     network_cursor c = {.way = NETWORK_COUNT};
     pass_realtime_state((palp_realtime *)rt, &c); /* counting changes nothing */
     size_t network = palp_network_state_size(rt->net);
-    return (header){UINT64_C(0x70616c7072743036), network, sizeof(header) + network + c.bytes, 0};
+    return (header){UINT64_C(0x70616c7072743037), network, sizeof(header) + network + c.bytes, 0};
 }
 
 static uint64_t checksum_of_buffer(const header *h, const unsigned char *buffer) {

@@ -266,9 +266,9 @@ START_TEST(a_tick_is_judged) {
             ck_assert_double_gt(fresh, 0.0);
             ck_assert_double_eq_tol(info.force_error_N, fresh + remembered,
                                     0.02 * tool * fresh + 1e-9 * fresh);
-            double decay = exp(-DT / 0.5); /* 0.2 N s / 0.4 N */
-            remembered = decay * remembered + (1.0 - decay) * (info.force_error_N - remembered +
-                                                               (tool ? 0.0 : rt->forgets * places));
+            double decay = exp(-DT / 0.5); /* 0.2 N s / 0.4 N, of 0.94 N in all */
+            remembered = decay * remembered + (1.0 - decay) * 0.4 / 0.94 *
+                                                  (info.force_error_N + (tool ? 0.0 : rt->forgets * places));
             ck_assert_double_eq_tol(rt->remembered, remembered, 1e-12 * remembered);
         }
         drop(rt);
