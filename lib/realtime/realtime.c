@@ -29,7 +29,8 @@ static const double MARGIN = 0.5;
 static const double LITTLE = 0.1;
 /* Above this share of the allowed error the next tick evaluates the tangent, as it may have to correct. */
 static const double NEAR = 0.7;
-/* Friction may remember so many times the error of a tick. */
+/* The nodes may be off by so many times the last correction, and with none friction's forces by so many times
+ * the error of the tick. A correction that halves the error leaves as much as it was itself. */
 static const double ANCHORED = 3.0;
 /* Time step of the tangent of the first factor, s. */
 static const double INSTANT = 1e-3;
@@ -178,7 +179,7 @@ typedef struct tick {
     double first;       /* norm of the first guess */
     double place_error; /* of this tick's positions, in the energy norm of the tangent */
     double fresh_error; /* error of the force due to place_error, N */
-    bool moved;         /* rt->move is the last correction, which was taken */
+    bool moved;         /* rt->move is ANCHORED times the last correction, which was taken */
     bool enough;        /* a correction cannot lower the estimated error by much of what the budget allows */
     bool near;          /* the estimated error is nearly as large as the budget allows */
     size_t before;      /* corrections made while tools were moved in parts */
