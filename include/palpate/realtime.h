@@ -54,7 +54,7 @@ typedef struct palp_tick_info {
     double residual; /* |residual| / |element forces| */
     double force_N;  /* reaction conjugate to depth by virtual work: its error is of second order */
     double force_error_N; /* its estimated error and that of the forces on tools, rather too large than too
-                             small: with tools 20 to 80 times the error in the mean, in a steady
+                             small: with tools 20 to 85 times the error in the mean, in a steady
                              slide some hundreds of times. Where it exceeds the force, the force
                              may be anything: a larger budget is needed (doc/realtime.md, Fast tools) */
     double seconds;       /* that the call took */
