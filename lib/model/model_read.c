@@ -305,11 +305,10 @@ static palp_status read_network_members(const palp_json *root, palp_model *model
 
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
     /* the last four only in a network */
-    static const char *const keys[] = {"palpate", "kind",          "specimen",          "stiffness",
-                                       "arms",    "dashpot_Ns",    "quasi_linear",      "formulation",
-                                       "effects", "fractional",    "covariance",        "specimens",
-                                       "mesh",    "density_kg_m3", "volume_modulus_Pa", "poisson_ratio",
-                                       "validity"};
+    static const char *const keys[] = {
+        "palpate",      "kind",          "specimen",          "stiffness",     "arms",       "dashpot_Ns",
+        "quasi_linear", "formulation",   "effects",           "fractional",    "covariance", "specimens",
+        "mesh",         "density_kg_m3", "volume_modulus_Pa", "poisson_ratio", "validity"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;

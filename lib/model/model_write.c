@@ -301,24 +301,22 @@ static void print_validity(const writer *w, const palp_model *model) {
     fputc(']', w->stream);
 }
 
+static void print_positive(const writer *w, const char *key, double value) {
+    if (value > 0) {
+        fputs(w->between, w->stream);
+        print_json_number(w, key, value);
+    }
+}
+
 static palp_status print_network_members(const writer *w, const palp_model *model, const char *mesh_path) {
     palp_status status = PALP_OK;
     if (model->mesh->kind == PALP_MESH_LATTICE)
         print_lattice_mesh(w, model->mesh);
     else
         status = print_mesh_file_source(w, model->mesh, mesh_path);
-    if (model->density_kg_m3 > 0) {
-        fputs(w->between, w->stream);
-        print_json_number(w, "\"density_kg_m3\": ", model->density_kg_m3);
-    }
-    if (model->volume_modulus_Pa > 0) {
-        fputs(w->between, w->stream);
-        print_json_number(w, "\"volume_modulus_Pa\": ", model->volume_modulus_Pa);
-    }
-    if (model->poisson_ratio > 0) {
-        fputs(w->between, w->stream);
-        print_json_number(w, "\"poisson_ratio\": ", model->poisson_ratio);
-    }
+    print_positive(w, "\"density_kg_m3\": ", model->density_kg_m3);
+    print_positive(w, "\"volume_modulus_Pa\": ", model->volume_modulus_Pa);
+    print_positive(w, "\"poisson_ratio\": ", model->poisson_ratio);
     print_validity(w, model);
     return status;
 }

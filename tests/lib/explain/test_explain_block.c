@@ -187,8 +187,8 @@ START_TEST(a_dead_sensor_is_no_run_in_air) {
         force[i] = _i == 3 ? 0.02 : 0;
     const char *why = refusal();
     ck_assert_ptr_nonnull(why);
-    ck_assert_msg(strstr(why, "dead.csv: force_N never exceeds its noise: no contact, or a dead sensor"), "%s",
-                  why);
+    ck_assert_msg(strstr(why, "dead.csv: force_N never exceeds its noise: no contact, or a dead sensor"),
+                  "%s", why);
     unmake();
 }
 END_TEST
