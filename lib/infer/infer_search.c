@@ -226,6 +226,29 @@ static void take(infer_search *s, int id) {
     s->trial[id].fit.raw = NULL;
 }
 
+/* full's fit with this model in its place. Its sizes begin as full's are, or anew: an effect may have taken
+ * some to nothing. */
+static palp_status settle_without(const infer_search *full, const palp_model *model, bool hum, bool anew,
+                                  infer_fit *fit) {
+    infer_fit first;
+    palp_status status = infer_fit_create(model, &full->data, &full->fit, fit);
+    if (!status && anew) {
+        status = infer_fit_create(model, &full->data, NULL, &first);
+        if (!status) {
+            memcpy(first.sizes.own + INFER_SINE, fit->sizes.own + INFER_SINE, 2 * sizeof(double));
+            fit->sizes = first.sizes;
+            infer_fit_free(&first);
+        }
+    }
+    if (!status && hum) {
+        fit->c.hum_Hz = 0.0;
+        fit->sizes.own[INFER_SINE] = fit->sizes.own[INFER_COSINE] = 0.0;
+    }
+    if (!status)
+        status = infer_fit_evaluate(fit, &full->data);
+    return status ? status : infer_fit_settle(fit, &full->data, 3, true);
+}
+
 palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest) {
     *rest = *full;
     memset(rest->trial, 0, sizeof rest->trial);
@@ -240,28 +263,18 @@ palp_status infer_search_without(const infer_search *full, size_t i, infer_searc
     for (size_t k = at; k + 1 < model.n_effects; k++)
         model.effects[k] = model.effects[k + 1];
     model.n_effects -= !hum;
-    palp_status status = infer_fit_create(&model, &full->data, &full->fit, &rest->fit);
-    if (!status && hum) {
-        rest->fit.c.hum_Hz = 0.0;
-        rest->fit.sizes.own[INFER_SINE] = rest->fit.sizes.own[INFER_COSINE] = 0.0;
-    }
-    infer_fit first;
-    if (!status) { /* sizes that the effect took to nothing begin anew */
-        palp_model plain = model;
-        status = infer_fit_create(&plain, &full->data, NULL, &first);
-    }
-    if (!status) {
-        const double hum_size = rest->fit.sizes.own[INFER_SINE];
-        rest->fit.sizes = first.sizes;
-        rest->fit.sizes.own[INFER_SINE] = rest->fit.sizes.own[INFER_COSINE] = hum_size;
-        infer_fit_free(&first);
-        status = infer_fit_evaluate(&rest->fit, &rest->data);
-    }
-    return status ? status : infer_fit_settle(&rest->fit, &rest->data, 3, true);
+    infer_fit anew = {.raw = NULL};
+    palp_status status = settle_without(full, &model, hum, false, &rest->fit);
+    if (!status)
+        status = settle_without(full, &model, hum, true, &anew);
+    if (!status)
+        take_better(&anew, &rest->fit);
+    else if (anew.raw)
+        infer_fit_free(&anew);
+    return status;
 }
 
-/* Takes out an effect that is not worth its price, or exchanges one for a better one. last: only what was
- * added last is asked for. */
+/* Takes out an effect that is not worth its price, or exchanges one for a better one. */
 static palp_status review(infer_search *s, bool *changed) {
     palp_status status = PALP_OK;
     *changed = false;
