@@ -9,10 +9,6 @@
 static const double TURN = 6.28318530717958647692;
 static const double WIDE = 3.0; /* prior sd of a logarithm: a factor of 20 */
 
-static size_t samples(const explain_data *data) {
-    return data->n;
-}
-
 /* The spline law through the given one. */
 static palp_status spline_of(const palp_law *law, double deepest, palp_law *spline) {
     double strain[INFER_KNOTS], stiffness[INFER_KNOTS], typical;
@@ -25,7 +21,7 @@ static palp_status spline_of(const palp_law *law, double deepest, palp_law *spli
     return palp_law_spline(INFER_KNOTS, strain, stiffness, spline);
 }
 
-static void set_priors(infer_fit *fit, const explain_data *data) {
+static void set_priors(infer_fit *fit) {
     const palp_material *m = &fit->c.model.material;
     const bool spline = m->law.kind == PALP_LAW_SPLINE;
     const size_t effects = m->law.n + 2 * m->n_arms;
@@ -54,7 +50,6 @@ static void set_priors(infer_fit *fit, const explain_data *data) {
             fit->width[a] = isfinite(range) ? fmax(range / sqrt(12.0), 1e-9) : fit->c.unit[a];
         }
     }
-    (void)data;
 }
 
 /* Noise as the samples show it, discrepancies of about a tenth of it, scatters of a percent: a first guess of
@@ -93,14 +88,14 @@ palp_status infer_fit_create(const palp_model *model, const explain_data *data, 
         return status;
     fit->k = fit->c.n_columns;
     fit->m = fit->k + INFER_BLOCK + 1;
-    fit->raw = malloc((samples(data) * fit->m + data->n_runs * fit->m * fit->m) * sizeof *fit->raw);
+    fit->raw = malloc((data->n * fit->m + data->n_runs * fit->m * fit->m) * sizeof *fit->raw);
     if (!fit->raw) {
         infer_fit_free(fit);
         return PALP_ERR_NO_MEMORY;
     }
-    fit->product = fit->raw + samples(data) * fit->m;
+    fit->product = fit->raw + data->n * fit->m;
     first_sizes(fit, data);
-    set_priors(fit, data);
+    set_priors(fit);
     if (like) {
         fit->noise = like->noise;
         fit->sizes = like->sizes;
@@ -116,7 +111,7 @@ palp_status infer_fit_create(const palp_model *model, const explain_data *data, 
 }
 
 palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to) {
-    const size_t room = samples(data) * from->m + data->n_runs * from->m * from->m;
+    const size_t room = data->n * from->m + data->n_runs * from->m * from->m;
     *to = *from;
     to->raw = malloc(room * sizeof *to->raw);
     palp_status status = to->raw ? explain_fit_copy(&from->c, data->n_runs, &to->c) : PALP_ERR_NO_MEMORY;
@@ -125,7 +120,7 @@ palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infe
         return status;
     }
     memcpy(to->raw, from->raw, room * sizeof *to->raw);
-    to->product = to->raw + samples(data) * to->m;
+    to->product = to->raw + data->n * to->m;
     return PALP_OK;
 }
 
@@ -338,54 +333,6 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
     if (!status)
         status = evaluate(&i, x, h, g, &chi2);
     free(h);
-    return status;
-}
-
-/* Each run's surface, and its gain where a sensor bends, to where the posterior has it, at most a quarter of
- * the depth away. */
-static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool *moved) {
-    infer_posterior p;
-    palp_status status = infer_posterior_find(fit, data, &p);
-    *moved = false;
-    for (size_t r = 0; r < data->n_runs && !status; r++) {
-        double own[INFER_BLOCK];
-        status = infer_own(fit, &p, r, own, NULL);
-        if (status)
-            break;
-        const double most = 0.25 * data->deepest, to = fmin(most, fmax(-most, own[INFER_CONTACT]));
-        const double gain = explain_bends(&fit->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0;
-        *moved =
-            *moved ||
-            fabs(to - fit->c.contact[r]) > fmax(0.05 * fit->sizes.own[INFER_CONTACT], 1e-4 * data->deepest) ||
-            fabs(gain - fit->c.gain[r]) > 1e-3;
-        fit->c.contact[r] = to;
-        fit->c.gain[r] = gain;
-    }
-    infer_posterior_free(&p);
-    return status;
-}
-
-palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise) {
-    palp_status status = PALP_OK;
-    double last = -HUGE_VAL;
-    for (size_t i = 0; i < rounds && !status; i++) {
-        bool moved;
-        infer_sizes_begin_anew(fit, data);
-        status = infer_fit_improve(fit, data, i == 0 ? 12 : 5);
-        if (!status)
-            status = infer_sizes_learn(fit, data, 6);
-        if (!status && noise)
-            status = infer_noise_learn(fit, data, 60);
-        if (!status)
-            status = move_contacts(fit, data, &moved);
-        if (!status && moved)
-            status = infer_fit_evaluate(fit, data);
-        if (!status && moved)
-            status = infer_fit_score(fit, data);
-        if (!status && !moved && fabs(fit->score - last) < 0.1)
-            break;
-        last = fit->score;
-    }
     return status;
 }
 

@@ -114,13 +114,13 @@ palp_status infer_fit_products(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_score(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations);
 
-/* Parameters, contacts and sizes in turn; with noise, that too. */
-palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise);
-
 /* What is left of all runs, [data->n]: beside the model and what the runs have of their own; and what the
  * discrepancy takes of that. */
 palp_status infer_residual(const infer_fit *fit, const explain_data *data, double *residual,
                            double *discrepancy);
+
+/* Parameters, contacts and sizes in turn; with noise, that too. (infer_settle.c) */
+palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise);
 
 /* Hat functions of run r, [INFER_HATS n]. (infer_columns.c) */
 void infer_hats(const explain_data *data, size_t r, double *column);

@@ -321,7 +321,7 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     if (!status && !network && palp_json_member(root, "mesh", &mesh))
         status = palp_json_fail(&mesh, PALP_ERR_INPUT, "is only for models of kind \"network\"");
     if (!status)
-        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 4, keys);
+        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 5, keys);
     if (!status)
         status = read_specimen_size(root, model);
     if (!status)

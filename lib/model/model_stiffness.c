@@ -61,8 +61,8 @@ static palp_status read_law_of_coefficients(const palp_json *at, palp_law_kind k
             palp_json_fail(at, PALP_ERR_INPUT, "is hyperelastic: it needs specimen.radius_mm for the area");
     if (!status && (polynomial ? palp_law_polynomial(n, c, law)
                                : palp_law_hyperelastic(kind, n, c, palp_model_area(radius_m), law)))
-        status =
-            palp_json_fail(&list, PALP_ERR_INPUT, "make no %s law: %zu of them", palp_law_kind_name(kind), n);
+        status = palp_json_fail(&list, PALP_ERR_INPUT, "do not form a %s law: there are %zu",
+                                palp_law_kind_name(kind), n);
     return status;
 }
 

@@ -29,6 +29,15 @@ expect 0 explain --model guess.json plain?.csv --result plain.out
 grep -q '"verdict": "agrees"' plain.out || fail "nothing hidden: $(cat out)"
 grep -q '"effects": \[\]' plain.out || fail "an effect where none is"
 
+expect 0 explain --likelihood --model guess.json plain?.csv --result plain.out
+grep -q '"verdict": "agrees"' plain.out || fail "nothing hidden, by the likelihood: $(cat out)"
+model 2.1 '"effects": [{"id": "sensor_lag", "parameters": {"time_s": 0.1}}],' >true.json
+runs rough
+expect 0 explain --likelihood --model guess.json rough?.csv --result rough.out --out rough.json
+grep -q '"id": "sensor_lag"' rough.json || fail "a lag, by the likelihood: $(cat out)"
+near "lag by the likelihood" "$(value rough.out time_s)" 0.1 0.01
+model 2.1 "" >true.json
+
 # What is more than noise and below the practical limit agrees for that reason, and says so.
 sed 's/"arms": \[[^]]*\]/"arms": []/' guess.json >armless.json
 expect 0 explain --model armless.json plain?.csv --max-effects 0 --good-enough 50

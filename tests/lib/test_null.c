@@ -207,6 +207,8 @@ START_TEST(null_in_model) {
     REFUSED(palp_model_read_between(NULL, (void *)storage, &count, NULL));
     REFUSED(palp_model_read_between(text, NULL, &count, NULL));
     REFUSED(palp_model_read_between(text, (void *)storage, NULL, NULL));
+    REFUSED(palp_model_tool_error(NULL, 0.5, 0.5, numbers));
+    REFUSED(palp_model_tool_error(&model, 0.5, 0.5, NULL));
     REFUSED(palp_model_unmeasured(2, NULL, numbers, 2, numbers));
     REFUSED(palp_model_unmeasured(2, numbers, NULL, 2, numbers));
     REFUSED(palp_model_unmeasured(2, numbers, numbers, 2, NULL));

@@ -160,7 +160,8 @@ static const struct ranked {
     {DEPTH, 3, "displac|=disp|compress|position|posicion|posizione|posicao|=pos|extension|extensom|"
         "travel|stroke|crosshead|weg|verschiebung|deplacement|spostamento|desplaz|desloc|traverse|"
         "verformung|stauchung|course|corsa|carrera|=curso|hub|allongement|allungamento|alargamiento|"
-        "alongamento|deform|recorrido|ecrasement|lvdt|percurso|schiacciamento|位移|変位|變位|变形|變形|"
+        "alongamento|deform|recorrido|ecrasement|lvdt|percurso|"
+        "schiacciamento|位移|変位|變位|变形|變形|"
         "変形|行程|位置|ストローク"},
     {DEPTH, 2, "height|hauteur|altezza|altura|hohe|=gap|spalt|distan|abstand|deflection|piezo|=z|=d|=x|"
         "=s|=u|=h|=l|=dl|delta|path|length|距离|距離"},

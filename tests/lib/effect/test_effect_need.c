@@ -116,9 +116,11 @@ static const struct {
     {PALP_EFFECT_MAINS_HUM, two_periods, "2.4 periods of 40 Hz, but needs 3"},
     {PALP_EFFECT_MAINS_HUM, three_periods, NULL}, {PALP_EFFECT_DRIVE_RIPPLE, coarse, "2.5 periods"},
     {PALP_EFFECT_DRIVE_RIPPLE, just_fine, NULL},
-    {PALP_EFFECT_ADHESION, no_withdrawal, "in no run the plate withdraws"}, {PALP_EFFECT_ADHESION, a_release, NULL},
+    {PALP_EFFECT_ADHESION, no_withdrawal, "in no run the plate withdraws"},
+    {PALP_EFFECT_ADHESION, a_release, NULL},
     {PALP_EFFECT_THERMAL_EXPANSION, one_temperature, "temperature_C"},
-    {PALP_EFFECT_THERMAL_EXPANSION, all, NULL}, {PALP_EFFECT_SENSOR_GAIN, all, "an unknown stiffness; needed: a known weight"},
+    {PALP_EFFECT_THERMAL_EXPANSION, all, NULL},
+    {PALP_EFFECT_SENSOR_GAIN, all, "an unknown stiffness; needed: a known weight"},
     {PALP_EFFECT_SENSOR_BIAS, one_speed, NULL}};
 /* clang-format on */
 

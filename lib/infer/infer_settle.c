@@ -1,0 +1,52 @@
+/* infer_settle.c: parameters, contacts, sizes and noise in turn, to their most probable values. */
+#include "infer_internal.h"
+
+#include <math.h>
+
+/* Each run's surface, and its gain where a sensor bends, to where the posterior has it, at most a quarter of
+ * the depth away. */
+static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool *moved) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(fit, data, &p);
+    *moved = false;
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
+        double own[INFER_BLOCK];
+        status = infer_own(fit, &p, r, own, NULL);
+        if (status)
+            break;
+        const double most = 0.25 * data->deepest, to = fmin(most, fmax(-most, own[INFER_CONTACT]));
+        const double gain = explain_bends(&fit->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0;
+        *moved =
+            *moved ||
+            fabs(to - fit->c.contact[r]) > fmax(0.05 * fit->sizes.own[INFER_CONTACT], 1e-4 * data->deepest) ||
+            fabs(gain - fit->c.gain[r]) > 1e-3;
+        fit->c.contact[r] = to;
+        fit->c.gain[r] = gain;
+    }
+    infer_posterior_free(&p);
+    return status;
+}
+
+palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise) {
+    palp_status status = PALP_OK;
+    double last = -HUGE_VAL;
+    for (size_t i = 0; i < rounds && !status; i++) {
+        bool moved;
+        infer_sizes_begin_anew(fit, data);
+        status = infer_fit_improve(fit, data, i == 0 ? 12 : 5);
+        if (!status)
+            status = infer_sizes_learn(fit, data, 6);
+        if (!status && noise)
+            status = infer_noise_learn(fit, data, 60);
+        if (!status)
+            status = move_contacts(fit, data, &moved);
+        if (!status && moved)
+            status = infer_fit_evaluate(fit, data);
+        if (!status && moved)
+            status = infer_fit_score(fit, data);
+        if (!status && !moved && fabs(fit->score - last) < 0.1)
+            break;
+        last = fit->score;
+    }
+    return status;
+}
