@@ -13,7 +13,8 @@ extern "C" {
 /* As palp_explain, for a lumped model. Its law becomes a spline of 16 knots, whose smoothness the runs tell.
  * Of the explanation it leaves the steps, the next run and the specimens at 0;
  * candidate.score and evidence are log odds and gains of log evidence, nats. Settings that it uses:
- * max_effects, false_alarm, candidate, held_out, loop, stop. ERR_UNSUPPORTED: a network. */
+ * max_effects, false_alarm, candidate, held_out, loop, stop, good_enough. It does not report
+ * progress. ERR_UNSUPPORTED: a network, or contacts that are known or common. */
 PALP_API palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, palp_explanation *explanation,
                                 palp_error *error);

@@ -196,8 +196,7 @@ palp_status explain_fit_to_model(explain_fit *fit) {
 
 /* ---- sums ---- */
 
-/* The model with a contact offset and a gain, if need be at zero: a run's own contact and gain are theirs. */
-static palp_status augment(const palp_model *model, palp_model *full, size_t *offset, size_t *gain) {
+palp_status explain_augment(const palp_model *model, palp_model *full, size_t *offset, size_t *gain) {
     static const palp_effect_id own[2] = {PALP_EFFECT_CONTACT_OFFSET, PALP_EFFECT_SENSOR_GAIN};
     size_t found[2];
     *full = *model;
@@ -216,7 +215,7 @@ static palp_status augment(const palp_model *model, palp_model *full, size_t *of
     return PALP_OK;
 }
 
-static void chain(const explain_fit *fit, size_t n, double *gradient) {
+void explain_chain(const explain_fit *fit, size_t n, double *gradient) {
     const palp_material *m = &fit->model.material;
     for (size_t j = 0; j < m->n_arms; j++) {
         double *k = gradient + (m->law.n + 2 * j) * n, *b = k + n;
@@ -225,10 +224,11 @@ static void chain(const explain_fit *fit, size_t n, double *gradient) {
             k[i] = k[i] * m->arms[j].stiffness_N + b[i];
         }
     }
-    for (size_t k = m->law.n + 2 * m->n_arms; k < fit->n_columns; k++)
-        if (fit->logarithmic[k])
-            for (size_t i = 0; i < n; i++)
-                gradient[k * n + i] *= exp(fit->x[k]);
+    for (size_t k = 0; k < fit->n_columns; k++) {
+        const bool arm = k >= m->law.n && k < m->law.n + 2 * m->n_arms;
+        for (size_t i = 0; i < n && fit->logarithmic[k] && !arm; i++)
+            gradient[k * n + i] *= exp(fit->x[k]);
+    }
 }
 
 static void hum_columns(const explain_fit *fit, const explain_run *run, double *sine, double *cosine) {
@@ -261,7 +261,7 @@ static palp_status run_products(explain_fit *fit, const explain_run *run, const 
     double *own = column + k * n;
     memcpy(own + n, gradient + offset * n, n * sizeof *own);
     memcpy(own + 2 * n, gradient + gain * n, n * sizeof *own);
-    chain(fit, n, gradient);
+    explain_chain(fit, n, gradient);
     memcpy(column, gradient, k * n * sizeof *column);
     for (size_t i = 0; i < n; i++)
         own[i] = 1.0;
@@ -359,7 +359,7 @@ static palp_status evaluate(explain_fit *fit, const explain_data *data, double *
                     .visit = visit,
                     .user = user,
                     .together = !spreads};
-    palp_status status = augment(&fit->model, &e.full, &e.offset, &e.gain);
+    palp_status status = explain_augment(&fit->model, &e.full, &e.offset, &e.gain);
     if (status)
         return status;
     e.columns = palp_forward_parameter_count(&e.full);

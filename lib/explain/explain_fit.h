@@ -53,6 +53,14 @@ bool explain_bends(const palp_model *model);
 /* So much more to the gain of the model's sensor; nothing where the model has no room for one. */
 void explain_add_gain(palp_model *model, double gain);
 
+/* The model with a contact offset and a gain, if need be at zero, and their columns: a run's own contact and
+ * gain are theirs. ERR_LIMIT: it has no room for them. */
+palp_status explain_augment(const palp_model *model, palp_model *full, size_t *offset, size_t *gain);
+
+/* Derivatives by the model's parameters, gradient[columns n], into those by the coordinates: of an arm the
+ * logarithms of its stiffness and of its time. */
+void explain_chain(const explain_fit *fit, size_t n, double *gradient);
+
 /* Whether parameter p is the period of a wave over depth, which has ends on both sides in the runs' samples
  * and travel. */
 bool explain_is_period(const effect_row *row, size_t p);

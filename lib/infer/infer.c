@@ -278,6 +278,9 @@ palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_inp
     if (model->kind != PALP_MODEL_LUMPED)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "the likelihood takes a lumped model, not a network");
+    if (settings->contact == PALP_CONTACT_KNOWN || settings->contact == PALP_CONTACT_COMMON)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "the likelihood takes the contact of each run as its own");
     if (model->n_effects + settings->max_effects + 2 > PALP_EFFECTS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT,
                               "%zu effects in the model and up to %zu more: at most %d", model->n_effects,

@@ -52,27 +52,15 @@ static void set_priors(infer_fit *fit) {
     }
 }
 
-/* Noise as the samples show it, discrepancies of about a tenth of it, scatters of a percent: a first guess of
- * what is learned. */
-static void first_sizes(infer_fit *fit, const explain_data *data) {
-    const double white = data->run[0].white;
-    fit->noise.white = white;
-    fit->noise.depth = 1e-3 * white * data->deepest / data->peak;
-    const double shortest = 4.0 * data->step, longest = data->duration;
+/* Noise as the samples show it: a first guess of what is learned. */
+static infer_noise first_noise(const explain_data *data) {
+    const double white = data->run[0].white, shortest = 4.0 * data->step, longest = data->duration;
+    infer_noise noise = {.white = white, .depth = 1e-3 * white * data->deepest / data->peak};
     for (int a = 0; a < INFER_SLOW; a++) {
-        fit->noise.slow[a] = 0.3 * white;
-        fit->noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
+        noise.slow[a] = 0.3 * white;
+        noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
     }
-    const double guess = fmax(white, 0.01 * data->peak);
-    fit->sizes = (infer_sizes){.bend = 0.1};
-    fit->sizes.own[INFER_ZERO] = white;
-    fit->sizes.own[INFER_CONTACT] = 0.01 * data->deepest;
-    fit->sizes.own[INFER_GAIN] = data->n_runs > 1 ? 0.01 : 0.0;
-    for (size_t d = 0; d < INFER_DOMAINS; d++)
-        for (size_t l = 0; l < INFER_LENGTHS; l++) {
-            fit->sizes.common[d][l] = guess;
-            fit->sizes.each[d][l] = data->n_runs > 1 ? guess : 0.0;
-        }
+    return noise;
 }
 
 palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
@@ -94,7 +82,8 @@ palp_status infer_fit_create(const palp_model *model, const explain_data *data, 
         return PALP_ERR_NO_MEMORY;
     }
     fit->product = fit->raw + data->n * fit->m;
-    first_sizes(fit, data);
+    fit->noise = first_noise(data);
+    fit->sizes = infer_sizes_first(data);
     set_priors(fit);
     if (like) {
         fit->noise = like->noise;
@@ -132,41 +121,6 @@ void infer_fit_free(infer_fit *fit) {
 
 /* ---- columns ---- */
 
-/* The model with a contact offset and a gain, if need be at zero; a run's own contact and gain are theirs. */
-static palp_status augment(const palp_model *model, palp_model *full, size_t column[2]) {
-    static const palp_effect_id own[2] = {PALP_EFFECT_CONTACT_OFFSET, PALP_EFFECT_SENSOR_GAIN};
-    *full = *model;
-    for (int k = 0; k < 2; k++) {
-        size_t i = 0;
-        while (i < full->n_effects && full->effects[i].id != own[k])
-            i++;
-        if (i == PALP_EFFECTS_MAX)
-            return PALP_ERR_LIMIT;
-        if (i == full->n_effects)
-            palp_effect_default(own[k], &full->effects[full->n_effects++]);
-        column[k] = explain_first_column(full, i);
-    }
-    return PALP_OK;
-}
-
-/* Derivatives by the coordinates: of a stiffness and a viscosity those by its logarithm and that of its time.
- */
-static void chain(const explain_fit *c, size_t n, double *gradient) {
-    const palp_material *m = &c->model.material;
-    for (size_t j = 0; j < m->n_arms; j++) {
-        double *k = gradient + (m->law.n + 2 * j) * n, *b = k + n;
-        for (size_t i = 0; i < n; i++) {
-            b[i] *= m->arms[j].viscosity_Ns;
-            k[i] = k[i] * m->arms[j].stiffness_N + b[i];
-        }
-    }
-    for (size_t k = 0; k < c->n_columns; k++) {
-        const bool arm = k >= m->law.n && k < m->law.n + 2 * m->n_arms;
-        for (size_t i = 0; i < n && c->logarithmic[k] && !arm; i++)
-            gradient[k * n + i] *= exp(c->x[k]);
-    }
-}
-
 /* gradient: [columns of the full model, n]; force: [n]. */
 static void take_columns(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
                          double *gradient, const size_t column[2], double *out) {
@@ -175,7 +129,7 @@ static void take_columns(const infer_fit *fit, const explain_data *data, size_t 
     double *own = out + k * n, *y = out + (fit->m - 1) * n;
     memcpy(own + INFER_CONTACT * n, gradient + column[0] * n, n * sizeof *own);
     memcpy(own + INFER_GAIN * n, gradient + column[1] * n, n * sizeof *own);
-    chain(&fit->c, n, gradient);
+    explain_chain(&fit->c, n, gradient);
     memcpy(out, gradient, k * n * sizeof *out);
     for (size_t i = 0; i < n; i++) {
         const double turn = TURN * fit->c.hum_Hz * run->time[i];
@@ -191,7 +145,7 @@ static void take_columns(const infer_fit *fit, const explain_data *data, size_t 
 palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
     palp_model full;
     size_t column[2];
-    palp_status status = augment(&fit->c.model, &full, column);
+    palp_status status = explain_augment(&fit->c.model, &full, &column[0], &column[1]);
     if (status)
         return status;
     const size_t columns = palp_forward_parameter_count(&full);
@@ -221,8 +175,7 @@ static size_t active_columns(const infer_fit *fit, size_t *list) {
             on = fit->sizes.own[a - fit->k] > 0.0;
         if (a >= fit->k + INFER_OWN && a + 1 < fit->m) {
             const size_t d = (a - fit->k - INFER_OWN) / INFER_NODES;
-            on = fit->sizes.common[d][0] > 0.0 || fit->sizes.common[d][1] > 0.0 ||
-                 fit->sizes.each[d][0] > 0.0 || fit->sizes.each[d][1] > 0.0;
+            on = infer_any(fit->sizes.common[d]) || infer_any(fit->sizes.each[d]);
         }
         if (on)
             list[n++] = a;

@@ -70,6 +70,8 @@ double infer_whiten(const infer_noise *noise, size_t n, const double *time, cons
 
 /* ---- priors (infer_prior.c) ---- */
 
+bool infer_any(const double size[INFER_LENGTHS]); /* one of them is not 0 */
+
 /* Covariance [INFER_NODES INFER_NODES] of the hats of unit size at this length: Matern's of order 3/2. */
 void infer_matern(double length, double *covariance);
 
@@ -79,6 +81,9 @@ double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *
 
 /* Precision q[k k] of the coordinates, about fit->given; returns its log determinant. */
 palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *q, double *log_det);
+
+/* A first guess: scatters and discrepancies of a percent, or of the noise. */
+infer_sizes infer_sizes_first(const explain_data *data);
 
 /* ---- from the products (infer_normal.c) ---- */
 

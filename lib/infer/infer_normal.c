@@ -29,7 +29,7 @@ static bool own_factor(const infer_fit *fit, const double *product, double *l, d
     }
     for (size_t d = 0; d < INFER_DOMAINS; d++) {
         const size_t at = INFER_OWN + d * INFER_NODES;
-        const bool any = fit->sizes.each[d][0] > 0.0 || fit->sizes.each[d][1] > 0.0;
+        const bool any = infer_any(fit->sizes.each[d]);
         for (size_t a = at; a < at + INFER_NODES && !any; a++)
             for (size_t b = 0; b < B; b++)
                 l[a * B + b] = l[b * B + a] = 0.0;
@@ -42,8 +42,7 @@ static bool own_factor(const infer_fit *fit, const double *product, double *l, d
 static bool is_off(const infer_fit *fit, size_t a) {
     if (a < INFER_OWN)
         return !(fit->sizes.own[a] > 0.0);
-    const double *size = fit->sizes.each[(a - INFER_OWN) / INFER_NODES];
-    return !(size[0] > 0.0 || size[1] > 0.0);
+    return !infer_any(fit->sizes.each[(a - INFER_OWN) / INFER_NODES]);
 }
 
 /* cross[BLOCK (g + 1)]: the run's own beside the global columns and the residual. */
@@ -80,8 +79,8 @@ static bool add_run(const infer_fit *fit, size_t r, size_t g, double *a, double 
 /* Takes the columns of a common discrepancy without a size out. */
 static void drop_absent(const infer_fit *fit, size_t g, double *a) {
     for (size_t i = 0; i < INFER_HATS; i++) {
-        const double *size = fit->sizes.common[i / INFER_NODES];
-        for (size_t j = 0; j <= g && !(size[0] > 0.0 || size[1] > 0.0); j++)
+        const bool any = infer_any(fit->sizes.common[i / INFER_NODES]);
+        for (size_t j = 0; j <= g && !any; j++)
             a[i * (g + 1) + j] = a[j * (g + 1) + i] = 0.0;
     }
 }

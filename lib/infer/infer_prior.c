@@ -1,4 +1,4 @@
-/* infer_prior.c: the priors of the coordinates and of the discrepancies. */
+/* infer_prior.c: the priors of the coordinates and of the discrepancies, and a first guess of their sizes. */
 #include "infer_internal.h"
 #include "base/dense.h"
 
@@ -7,6 +7,13 @@
 #include <string.h>
 
 const double infer_lengths[INFER_LENGTHS] = {0.5, 0.125};
+
+bool infer_any(const double size[INFER_LENGTHS]) {
+    bool any = false;
+    for (int l = 0; l < INFER_LENGTHS; l++)
+        any = any || size[l] > 0.0;
+    return any;
+}
 
 void infer_matern(double length, double *covariance) {
     for (size_t i = 0; i < INFER_NODES; i++)
@@ -20,12 +27,11 @@ void infer_matern(double length, double *covariance) {
 double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *a) {
     enum { N = INFER_NODES };
     double sum[N * N] = {0.0}, one[N * N], inverse[N * N] = {0.0};
-    bool any = false;
+    const bool any = infer_any(size);
     for (int l = 0; l < INFER_LENGTHS; l++) {
         infer_matern(infer_lengths[l], one);
         for (size_t i = 0; i < N * N; i++)
             sum[i] += size[l] * size[l] * one[i];
-        any = any || size[l] > 0.0;
     }
     for (size_t i = 0; i < N; i++)
         inverse[i * N + i] = 1.0;
@@ -77,4 +83,15 @@ palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *
     *log_det = definite ? dense_log_determinant(k, copy) : 0.0;
     free(copy);
     return definite ? PALP_OK : PALP_ERR_SINGULAR;
+}
+
+infer_sizes infer_sizes_first(const explain_data *data) {
+    const double white = data->run[0].white, guess = fmax(white, 0.01 * data->peak);
+    infer_sizes sizes = {.own = {white, 0.01 * data->deepest, data->n_runs > 1 ? 0.01 : 0.0}, .bend = 0.1};
+    for (size_t d = 0; d < INFER_DOMAINS; d++)
+        for (size_t l = 0; l < INFER_LENGTHS; l++) {
+            sizes.common[d][l] = guess;
+            sizes.each[d][l] = data->n_runs > 1 ? guess : 0.0;
+        }
+    return sizes;
 }

@@ -230,15 +230,11 @@ static void take(infer_search *s, int id) {
  * some to nothing. */
 static palp_status settle_without(const infer_search *full, const palp_model *model, bool hum, bool anew,
                                   infer_fit *fit) {
-    infer_fit first;
     palp_status status = infer_fit_create(model, &full->data, &full->fit, fit);
     if (!status && anew) {
-        status = infer_fit_create(model, &full->data, NULL, &first);
-        if (!status) {
-            memcpy(first.sizes.own + INFER_SINE, fit->sizes.own + INFER_SINE, 2 * sizeof(double));
-            fit->sizes = first.sizes;
-            infer_fit_free(&first);
-        }
+        const double line = fit->sizes.own[INFER_SINE];
+        fit->sizes = infer_sizes_first(&full->data);
+        fit->sizes.own[INFER_SINE] = fit->sizes.own[INFER_COSINE] = line;
     }
     if (!status && hum) {
         fit->c.hum_Hz = 0.0;

@@ -25,7 +25,7 @@ static void add_hats(pair s[INFER_LENGTHS], const double size[INFER_LENGTHS], co
                      const double *v, size_t n) {
     enum { N = INFER_NODES };
     double inverse[N * N] = {0.0}, one[N * N], turned[N], left[N * N];
-    if (!(size[0] > 0.0 || size[1] > 0.0))
+    if (!infer_any(size))
         return;
     infer_hats_precision(size, N, inverse);
     dense_times(N, N, 1.0, inverse, mean, 0.0, turned);

@@ -126,9 +126,12 @@ END_TEST
 START_TEST(what_it_cannot_do_is_refused) {
     palp_model m = lumped_model(1);
     palp_explanation e;
-    const palp_explain_settings s = palp_explain_settings_default();
+    palp_explain_settings s = palp_explain_settings_default();
     record(&m, 1, 1);
     ck_assert_int_eq(palp_infer(&m, 0, input, &s, &e, NULL), PALP_ERR_ARGUMENT);
+    s.contact = PALP_CONTACT_KNOWN;
+    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_ERR_UNSUPPORTED);
+    s.contact = PALP_CONTACT_FREE;
     m.kind = PALP_MODEL_NETWORK;
     ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_ERR_UNSUPPORTED);
     forget();
