@@ -4,6 +4,7 @@
 #ifndef PALPATE_INFER_H
 #define PALPATE_INFER_H
 
+#include <palpate/characterize.h>
 #include <palpate/explain.h>
 
 #ifdef __cplusplus
@@ -18,6 +19,17 @@ extern "C" {
 PALP_API palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, palp_explanation *explanation,
                                 palp_error *error);
+
+/* The lumped solid of runs by the same likelihood, without effects: a spline law of 16 knots, and arms as
+ * long as one more gains what --false-alarm wants, at least least_arms and at most most_arms (PALP_ARMS_MAX).
+ * The arms are driven by the strain or by the elastic force (quasi-linear), whichever is more probable.
+ * specimen: height, radius and known effects; its material is not read. fit: arrays over runs are in the
+ * order of inputs; contact_m is from recorded depth 0; the caller frees it. settings: false_alarm, loop,
+ * stop. ERR_ARGUMENT: no runs, or arms out of range; errors of palp_infer. */
+PALP_API palp_status palp_infer_material(const palp_model *specimen, size_t n,
+                                         const palp_explain_input *inputs,
+                                         const palp_explain_settings *settings, size_t least_arms,
+                                         size_t most_arms, palp_lumped_fit *fit, palp_error *error);
 
 #ifdef __cplusplus
 }

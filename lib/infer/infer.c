@@ -10,8 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The fit of the model as given, from a first guess of all sizes. */
-static palp_status begin(infer_search *s, const palp_model *model) {
+palp_status infer_begin(infer_search *s, const palp_model *model) {
     palp_status status = infer_fit_create(model, &s->data, NULL, &s->fit);
     if (!status)
         status = infer_fit_evaluate(&s->fit, &s->data);
@@ -240,7 +239,7 @@ static palp_status copy_runs(const infer_search *s, palp_explanation *e) {
 }
 
 static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {
-    palp_status status = begin(s, model);
+    palp_status status = infer_begin(s, model);
     if (!status)
         status = copy_runs(s, e);
     if (!status)

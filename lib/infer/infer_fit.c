@@ -91,7 +91,8 @@ palp_status infer_fit_create(const palp_model *model, const explain_data *data, 
         fit->c.hum_Hz = like->c.hum_Hz;
         fit->c.renewed = like->c.renewed;
         memcpy(fit->c.contact, like->c.contact, 2 * data->n_runs * sizeof *fit->c.contact);
-        const size_t plain = fit->c.model.material.law.n + 2 * fit->c.model.material.n_arms;
+        const palp_material *m = &fit->c.model.material, *other = &like->c.model.material;
+        const size_t plain = m->law.n + 2 * (m->n_arms < other->n_arms ? m->n_arms : other->n_arms);
         memcpy(fit->given, like->given, plain * sizeof *fit->given);
         memcpy(fit->c.low, like->c.low, plain * sizeof *fit->given);
         memcpy(fit->c.high, like->c.high, plain * sizeof *fit->given);

@@ -29,6 +29,9 @@ typedef struct infer_search {
 /* Log odds above which a set of effects is preferred: that of no false alarm to one. */
 double infer_threshold(const palp_explain_settings *settings);
 
+/* The fit of the model as given, from a first guess of all sizes. (infer.c) */
+palp_status infer_begin(infer_search *s, const palp_model *model);
+
 /* Adds each candidate to the fit at hand; their trials are freed first. */
 palp_status infer_try_all(infer_search *s);
 void infer_trials_free(infer_search *s);

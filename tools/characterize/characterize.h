@@ -41,7 +41,7 @@ typedef struct characterize_options {
     palp_arms_form
         arms_form; /* of the model; earlier fits have free arms, as many as cross-validation chooses */
     bool arms_auto, law_auto, degree_auto, degree_given;
-    bool shared_arms, per_depth, dwell_only, fit_filtered, json;
+    bool shared_arms, per_depth, dwell_only, fit_filtered, likelihood, json;
     int specimens_by;                                   /* characterize_specimens_by */
     double filter_Hz, height_mm, radius_mm, contact_mm; /* 0, 0, 0, NaN = not given */
     int tip, floor; /* -1 = from the files, else palp_tip_kind; 0 = bonded, slides */
@@ -142,6 +142,10 @@ size_t characterize_depths(const characterize_state *s); /* different depths of 
 int characterize_choose_law(const characterize_options *o, characterize_state *s); /* --law auto */
 int characterize_contacts(const characterize_options *o,
                           characterize_state *s); /* --contact; the runs' depths follow */
+/* Makes depth 0 the fitted contact, whose uncertainty is then the scatter. */
+void characterize_move_contacts(characterize_state *s, const palp_lumped_fit *fit);
+int characterize_likelihood_check(const characterize_options *o);
+int characterize_likelihood(const characterize_options *o, characterize_state *s); /* all of the joint fit */
 palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law);
 palp_status characterize_guess_polynomial(const characterize_state *s, size_t n,
                                           palp_law *law); /* of n coefficients */

@@ -7,8 +7,7 @@
 
 static const char NAME[] = "characterize";
 
-/* Makes depth 0 the fitted contact, whose uncertainty is then the scatter. */
-static void move_contacts(characterize_state *s, const palp_lumped_fit *fit) {
+void characterize_move_contacts(characterize_state *s, const palp_lumped_fit *fit) {
     for (size_t r = 0; r < s->n; r++) {
         palp_recording *run = &s->run[r];
         for (size_t i = 0; i < run->n; i++)
@@ -61,7 +60,7 @@ int characterize_contacts(const characterize_options *o, characterize_state *s) 
         s->contact = fit.contact_m ? PALP_CONTACT_FREE : PALP_CONTACT_KNOWN;
     if (status == PALP_OK && s->contact != PALP_CONTACT_KNOWN) {
         s->contact_scatter_m = fit.contact_scatter_m;
-        move_contacts(s, &fit);
+        characterize_move_contacts(s, &fit);
         if (s->contact == PALP_CONTACT_FREE)
             characterize_warn(s,
                               "contact differs between runs by %.3g mm (sd) and is fitted with the model; "

@@ -281,33 +281,40 @@ static void judge(characterize_state *s) {
         characterize_warn(s, "the fit did not converge; the result is the best parameters found");
 }
 
-int characterize_model(const characterize_options *o, characterize_state *s) {
-    progress bar;
-    bool grid = o->method == METHOD_GRID;
-    if (grid && s->n_hold == 0)
-        return cli_failure(NAME, "--method grid needs ramp-and-hold runs (protocol.kind: \"ramp_hold\")");
-    if (!o->arms_auto && o->arms > 0 && s->n == s->n_static)
-        characterize_warn(s, "ramps without a dwell do not identify arms: the model has none");
-    progress_start(&bar, "fitting");
+/* Each fit by itself, one after the other. */
+static int fit_all(const characterize_options *o, characterize_state *s, progress *bar) {
     int code = fit_plain(o, s);
     code = code ? code : characterize_find_level(o, s);
     characterize_level(s, true);
     code = code ? code : choose_degree(o, s);
-    code = code ? code : choose_arms(o, s, &bar);
-    progress_update(&bar, 0.5);
+    code = code ? code : choose_arms(o, s, bar);
+    progress_update(bar, 0.5);
     code = code ? code : characterize_contacts(o, s);
     characterize_level(s, false);
     code = code || s->contact == PALP_CONTACT_KNOWN ? code : fit_plain(o, s); /* with the new contacts */
     code = code ? code : fit_single(o, s);
-    progress_update(&bar, 0.65);
+    progress_update(bar, 0.65);
     code = code ? code : fit_shared(o, s);
-    progress_update(&bar, 0.8);
+    progress_update(bar, 0.8);
     characterize_level(s, true);
     if (code == CLI_OK && o->law_auto)
         code = characterize_choose_law(o, s);
     characterize_level(s, false);
     if (code == CLI_OK)
-        code = grid ? assemble_grid(s) : fit_joint(o, s);
+        code = o->method == METHOD_GRID ? assemble_grid(s) : fit_joint(o, s);
+    return code;
+}
+
+int characterize_model(const characterize_options *o, characterize_state *s) {
+    progress bar;
+    if (o->method == METHOD_GRID && s->n_hold == 0)
+        return cli_failure(NAME, "--method grid needs ramp-and-hold runs (protocol.kind: \"ramp_hold\")");
+    if (!o->arms_auto && o->arms > 0 && s->n == s->n_static)
+        characterize_warn(s, "ramps without a dwell do not identify arms: the model has none");
+    progress_start(&bar, "fitting");
+    int code = o->likelihood ? characterize_likelihood(o, s) : fit_all(o, s, &bar);
+    if (code == CLI_OK && o->likelihood)
+        code = fit_plain(o, s);
     progress_finish(&bar);
     code = code ? code : characterize_compare(s);
     if (code == CLI_OK) {

@@ -35,6 +35,9 @@ static int parse(int argc, char **argv, characterize_options *o) {
                  "depth always does, since K(e) is not constant on a ramp)"),
         cli_flag("fit-filtered", &o->fit_filtered,
                  "fit the filtered force instead of the raw one (biased; to compare)"),
+        cli_flag("likelihood", &o->likelihood,
+                 "law, arms and contacts by one likelihood, in which the model's own misfit has\n"
+                 "a part (doc/likelihood.md): a spline of 16 knots, arms by their evidence"),
         cli_heading("Recordings"),
         cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz,
                      "cut-off of the zero-phase Butterworth filter in the figures, Hz\n(default 10, at most "
@@ -149,8 +152,9 @@ static int check_options(characterize_options *o) {
     if (o->method == METHOD_GRID && (o->law != PALP_LAW_POLYNOMIAL || o->per_depth))
         return cli_usage_error(NAME, "--method grid fits shared arms and a polynomial; leave out %s",
                                o->per_depth ? "--per-depth" : "--law");
+    code = characterize_likelihood_check(o);
     o->knots = o->knots ? o->knots : 5;
-    return CLI_OK;
+    return code;
 }
 
 /* ---- the model ---- */
