@@ -12,7 +12,7 @@ if [ "${1-}" = one ]; then # from xargs: folder, options of characterize: the wh
     shift 2
     [ ! -e done ] || exit 0
     ulimit -t 900
-    "$PALPATE" characterize run_*.csv "$@" --out model.json --force >characterize.log 2>&1 </dev/null &&
+    "$PALPATE" characterize run_*.csv "$@" $LIKELIHOOD --out model.json --force >characterize.log 2>&1 </dev/null &&
         "$PALPATE" explain --model model.json run_*.csv --jobs 1 $LIKELIHOOD --result result.json --out explained.json --force >explain.log 2>&1 </dev/null
     echo $? >done
     exit 0
