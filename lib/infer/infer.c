@@ -10,13 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-palp_status infer_begin(infer_search *s, const palp_model *model) {
-    palp_status status = infer_fit_create(model, &s->data, NULL, &s->fit);
-    if (!status)
-        status = infer_fit_evaluate(&s->fit, &s->data);
-    if (!status)
-        status = infer_fit_settle(&s->fit, &s->data, 2, false);
-    return status ? status : infer_fit_settle(&s->fit, &s->data, 4, true);
+palp_status infer_begin(infer_fit *fit, const explain_data *data) {
+    palp_status status = infer_fit_settle(fit, data, 2, false);
+    return status ? status : infer_fit_settle(fit, data, 4, true);
 }
 
 /* Sum of squares of what the fit, refitted without run r, leaves of it beside what the run has of its own. */
@@ -239,7 +235,11 @@ static palp_status copy_runs(const infer_search *s, palp_explanation *e) {
 }
 
 static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {
-    palp_status status = infer_begin(s, model);
+    palp_status status = infer_fit_create(model, &s->data, NULL, &s->fit);
+    if (!status)
+        status = infer_fit_evaluate(&s->fit, &s->data);
+    if (!status)
+        status = infer_begin(&s->fit, &s->data);
     if (!status)
         status = copy_runs(s, e);
     if (!status)

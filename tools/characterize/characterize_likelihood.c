@@ -53,11 +53,7 @@ int characterize_likelihood(const characterize_options *o, characterize_state *s
     const palp_explain_settings settings = palp_explain_settings_default();
     palp_model specimen = {
         .kind = PALP_MODEL_LUMPED, .height_m = s->run[0].height_m, .radius_m = s->run[0].radius_m};
-    int code = CLI_OK;
-    for (size_t i = 0; i < o->n_words && code == CLI_OK; i++) {
-        code = open_run(NAME, o->words[i], &run[i]);
-        input[i] = (palp_explain_input){run[i], o->words[i]};
-    }
+    int code = open_runs(NAME, o->n_words, o->words, 0, run, input);
     if (code == CLI_OK) {
         palp_status status =
             palp_infer_material(&specimen, o->n_words, input, &settings, o->arms_auto ? 0 : o->arms,

@@ -129,26 +129,6 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
     return code;
 }
 
-static int read_runs(const explain_options *o, palp_explain_input *input, palp_experiment **run) {
-    size_t rows = 0;
-    for (size_t r = 0; r < o->n_words; r++) {
-        int code = open_run(NAME, o->words[r], &run[r]);
-        if (code)
-            return code;
-        rows += palp_experiment_rows(run[r]);
-    }
-    size_t every = o->every ? o->every : 1 + rows / EXPLAIN_ROWS;
-    for (size_t r = 0; r < o->n_words; r++) {
-        palp_status status = every > 1 ? explain_thin(&run[r], every) : PALP_OK;
-        if (status)
-            return cli_status_of(NAME, o->words[r], status, NULL);
-        input[r] = (palp_explain_input){run[r], o->words[r]};
-    }
-    if (every > 1 && !o->every)
-        cli_note(NAME, "one sample in %zu of each run (--every)", every);
-    return CLI_OK;
-}
-
 /* The fit's law holds as deep as the runs go; that they go beyond what the given one was measured to is told,
  * but for the little by which contacts differ. */
 static void extend_range(palp_model *model, size_t n, palp_experiment *const *run) {
@@ -238,7 +218,7 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     code = code ? code : choose_held_out(o, &s, held_out);
     code = code ? code : open_model(NAME, o->model, &model, &mesh);
     code = code ? code : open_refuse_mass(NAME, o->model, &model);
-    code = code ? code : read_runs(o, input, run);
+    code = code ? code : open_runs(NAME, o->n_words, o->words, o->every, run, input);
     if (code == CLI_OK) {
         extend_range(&model, o->n_words, run);
         palp_status status = watched(o, &model, input, &s, &e, &error);

@@ -9,11 +9,11 @@
 #include <palpate/palpate.h>
 #include <palpate/explain.h>
 
-enum { EXPLAIN_RUNS_MAX = 512, EXPLAIN_ROWS = 50000 };
+enum { EXPLAIN_RUNS_MAX = 512 };
 
 typedef struct explain_options {
     const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *result, *report, *next;
-    size_t n_words, max_effects, jobs, every; /* every: 0 = so many that EXPLAIN_ROWS remain */
+    size_t n_words, max_effects, jobs, every; /* every: as open_runs takes it */
     int contact;                              /* a palp_contact_form */
     double false_alarm, good_enough;
     bool json, likelihood;
@@ -39,8 +39,5 @@ void explain_say(FILE *to, const json_t *result);
 
 /* Recorded minus model, a figure explain_residuals for each run. (explain_figure.c) */
 void explain_figures(json_t *figures, const palp_explanation *e);
-
-/* Keeps one sample in every of a run, which is replaced. (explain_thin.c) */
-palp_status explain_thin(palp_experiment **run, size_t every);
 
 #endif

@@ -2,13 +2,18 @@
 #ifndef PALPATE_OPENING_H
 #define PALPATE_OPENING_H
 
-#include <palpate/experiment.h>
+#include <palpate/explain.h>
 #include <palpate/model.h>
 
 /* Functions return an exit code; command is its name for messages. mesh is as of palp_model_read. The caller
  * frees *run. */
 int open_model(const char *command, const char *file, palp_model *model, palp_mesh_source *mesh);
 int open_run(const char *command, const char *file, palp_experiment **run);
+
+/* Opens n runs, one sample in every of each; 0: in so many that 50000 remain in all, as told on stderr. They
+ * are the caller's, also those that were opened before an error. */
+int open_runs(const char *command, size_t n, const char *const *files, size_t every, palp_experiment **run,
+              palp_explain_input *input);
 
 /* Refuses a model with a density where the networks have no mass. */
 int open_refuse_mass(const char *command, const char *file, const palp_model *model);

@@ -7,6 +7,7 @@
 enum { RUNS = 4, EACH = 220 };
 
 static palp_explain_input input[RUNS];
+static const char *const name[RUNS] = {"1.csv", "2.csv", "3.csv", "4.csv"};
 
 /* Presses, dwells and withdrawals at several speeds and depths; forces and lengths in these units. */
 static void record(const palp_model *m, double force, double length) {
@@ -25,7 +26,7 @@ static void record(const palp_model *m, double force, double length) {
             s.force_N[i] = force * (s.force_N[i] + 2e-3 * palp_random_normal(&noise));
             s.depth_m[i] *= length;
         }
-        input[r] = (palp_explain_input){samples_experiment(&s), "run.csv"};
+        input[r] = (palp_explain_input){samples_experiment(&s), name[r]};
     }
 }
 
@@ -123,6 +124,65 @@ START_TEST(units_change_nothing) {
 }
 END_TEST
 
+/* Law, arms and their number from samples alone, with nothing to start from. */
+static void characterize(size_t least, size_t most, palp_lumped_fit *fit) {
+    palp_model specimen = {.kind = PALP_MODEL_LUMPED, .height_m = HEIGHT};
+    palp_error error = {.text = ""};
+    const palp_explain_settings s = palp_explain_settings_default();
+    ck_assert_msg(palp_infer_material(&specimen, RUNS, input, &s, least, most, fit, &error) == PALP_OK, "%s",
+                  error.text);
+}
+
+static void check_within(const palp_estimate *e, double truth) {
+    ck_assert_msg(fabs(log(e->value / truth)) < 3.0 * e->sd / e->value, "%s is %g +- %g, not %g", e->name,
+                  e->value, e->sd, truth);
+    ck_assert_double_lt(e->sd, 0.1 * e->value);
+}
+
+START_TEST(a_solid_is_found_from_nothing) {
+    palp_model truth = lumped_model(2);
+    palp_lumped_fit fit;
+    truth.material.quasi_linear = _i == 1;
+    truth.material.arms[0].viscosity_Ns = 5.0;
+    record(&truth, 1, 1);
+    characterize(0, PALP_ARMS_MAX, &fit);
+    ck_assert_uint_eq(fit.material.n_arms, 2);
+    ck_assert_int_eq(fit.material.quasi_linear, truth.material.quasi_linear);
+    ck_assert_uint_eq(fit.n_parameters, fit.material.law.n + 4);
+    for (size_t j = 0; j < 2; j++) { /* in the order in which they were found */
+        const palp_estimate *arm = &fit.estimate[fit.material.law.n + 3 * j];
+        const palp_arm *is = &truth.material.arms[fabs(arm[0].value - 1.3) < 0.25 ? 0 : 1];
+        check_within(&arm[0], is->stiffness_N);
+        check_within(&arm[2], is->viscosity_Ns / is->stiffness_N);
+        ck_assert_double_eq_tol(arm[1].value, arm[0].value * arm[2].value, 1e-9 * arm[1].value);
+    }
+    double strain = 0.15, found, sd, is;
+    ck_assert_int_eq(palp_lumped_fit_stiffness(&fit, 1, &strain, &found, &sd), PALP_OK);
+    palp_law_stiffness(&truth.material.law, strain, &is, NULL);
+    ck_assert_double_eq_tol(found, is, 3.0 * sd);
+    for (size_t r = 0; r < RUNS; r++)
+        ck_assert_double_eq_tol(fit.rms_N[r], 2e-3, 4e-4);
+    palp_lumped_fit_free(&fit);
+    forget();
+}
+END_TEST
+
+START_TEST(so_many_arms_as_asked_for) {
+    palp_model truth = lumped_model(2);
+    palp_lumped_fit fit;
+    palp_error error;
+    const palp_explain_settings s = palp_explain_settings_default();
+    truth.material.arms[0].viscosity_Ns = 5.0;
+    record(&truth, 1, 1);
+    characterize(1, 1, &fit);
+    ck_assert_uint_eq(fit.material.n_arms, 1);
+    palp_lumped_fit_free(&fit);
+    ck_assert_int_eq(palp_infer_material(&truth, RUNS, input, &s, 2, 1, &fit, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_infer_material(&truth, 0, input, &s, 0, 1, &fit, &error), PALP_ERR_ARGUMENT);
+    forget();
+}
+END_TEST
+
 START_TEST(what_it_cannot_do_is_refused) {
     palp_model m = lumped_model(1);
     palp_explanation e;
@@ -143,5 +203,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, a_hidden_effect_is_named_with_its_interval, 0, sizeof hidden / sizeof *hidden);
     tcase_add_test(tc, quasi_linear_arms_are_another_law);
     tcase_add_test(tc, units_change_nothing);
+    tcase_add_loop_test(tc, a_solid_is_found_from_nothing, 0, 2);
+    tcase_add_test(tc, so_many_arms_as_asked_for);
     tcase_add_test(tc, what_it_cannot_do_is_refused);
 }
