@@ -39,6 +39,20 @@ expect 0 reduce net.json p1.csv p2.csv p3.csv p4.csv --elements 300 --jobs 2 --o
 grep -q "held out: p4.csv: largest error" out || fail "text: $(cat out)"
 cmp -s reduced.bin again.bin || fail "two threads give other bits"
 
+# A recorded depth has noise: the network follows the path without it, as in the fits.
+noisy() { # file sd: 4 mm in 2 s, then held for 4 s, 400 samples
+    awk -v sd="$2" 'BEGIN {
+        print "# palpate.experiment: 1\n# protocol.kind: \"ramp_hold\"\ntime_s,depth_mm,force_N"
+        for (i = 0; i < 400; i++) {
+            for (sum = j = 0; j < 12; j++) { seed = (seed * 1103 + 12345) % 65536; sum += seed / 65536 }
+            t = 0.015 * i; printf "%.9g,%.9g,0\n", t, (t < 2 ? 2 * t : 4) + sd * (sum - 6) } }' >"$1"
+}
+noisy still.csv 0; noisy noisy.csv 0.05
+expect 0 reduce net.json p1.csv p2.csv still.csv --samples 400 --modes 10 --elements 300 --json
+peak=$(value out peak_N)
+expect 0 reduce net.json p1.csv p2.csv noisy.csv --samples 400 --modes 10 --elements 300 --json
+near "peak with a noisy depth" "$(value out peak_N)" "$peak" 0.01
+
 # A ball on a free top.
 slide() { # file x0 z0 x1 z1
     awk -v x0="$2" -v z0="$3" -v x1="$4" -v z1="$5" 'BEGIN {

@@ -223,7 +223,7 @@ static int read_run(const char *file, calibrate_state *s) {
     }
     palp_status status = palp_recording_check(run, file, s->lumped.height_m, &error);
     if (status == PALP_OK)
-        status = open_smooth_depth(run);
+        status = open_smooth_path(run);
     if (status == PALP_OK)
         status = kind_of(run, &kind);
     if (status) {

@@ -72,6 +72,9 @@ int reduce_run_read(const char *file, size_t samples, reduce_run *run) {
     code = palp_experiment_rows(from) < 2
                ? cli_failure(NAME, "%s: needs at least two samples to follow", file)
                : tool_read(file, from, &tool, column);
+    palp_status status = code == CLI_OK ? open_smooth_path(from) : PALP_OK;
+    if (status)
+        code = cli_failure(NAME, "%s: %s", file, palp_status_text(status));
     if (code == CLI_OK)
         code = fill(from, samples, &tool, column, run);
     palp_experiment_free(from);

@@ -33,10 +33,17 @@ int open_run(const char *command, const char *file, palp_experiment **run) {
     return status ? cli_status(command, status, &error) : CLI_OK;
 }
 
-palp_status open_smooth_depth(palp_experiment *run) {
+palp_status open_smooth_path(palp_experiment *run) {
+    static const char *const coordinate[] = {"depth_mm", "tool_x_mm", "tool_y_mm", "tool_z_mm"};
+    palp_status status = PALP_OK;
     double noise_mm;
-    return palp_segments_smooth_path(palp_experiment_rows(run), palp_experiment_column(run, "time_s"),
-                                     palp_experiment_column(run, "depth_mm"), &noise_mm);
+    for (size_t k = 0; k < sizeof coordinate / sizeof *coordinate && !status; k++) {
+        double *column = palp_experiment_column(run, coordinate[k]);
+        if (column)
+            status = palp_segments_smooth_path(palp_experiment_rows(run),
+                                               palp_experiment_column(run, "time_s"), column, &noise_mm);
+    }
+    return status;
 }
 
 palp_status open_set_text(palp_experiment *run, const char *key, const char *text) {

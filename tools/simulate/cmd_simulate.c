@@ -263,7 +263,7 @@ static int simulate(const simulate_options *o, simulation *s) {
     if (status == PALP_OK && o->like)
         status = palp_experiment_read(o->like, &s->like, &error);
     if (status == PALP_OK && o->like)
-        status = open_smooth_depth(s->like);
+        status = open_smooth_path(s->like);
     if (status)
         return cli_status(NAME, status, &error);
     int code = o->band ? simulate_band_check(o, s) : CLI_OK;
