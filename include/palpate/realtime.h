@@ -41,7 +41,9 @@ PALP_API palp_status palp_realtime_reset(palp_realtime *realtime);
 typedef struct palp_budget {
     double seconds; /* since the call, monotonic clock; at least one correction is made. Results then depend
                        on the machine */
-    size_t corrections; /* solves with the kept factor; same input gives same bits */
+    size_t corrections; /* solves with the kept factor; same input gives same bits. A tick whose residual
+                           still exceeds the element forces makes more, up to 60, whatever the budget: the
+                           next ticks could not recover from it (doc/realtime.md, Fast tools) */
     double force_error; /* estimated, relative to the force */
 } palp_budget;
 
@@ -55,8 +57,7 @@ typedef struct palp_tick_info {
     double force_N;  /* reaction conjugate to depth by virtual work: its error is of second order */
     double force_error_N; /* its estimated error and that of the forces on tools, rather too large than too
                              small: with tools 20 to 85 times the error in the mean, in a steady
-                             slide some hundreds of times. Where it exceeds the force, the force
-                             may be anything: a larger budget is needed (doc/realtime.md, Fast tools) */
+                             slide some hundreds of times */
     double seconds;       /* that the call took */
     double beyond;        /* as in palp_step_info */
     size_t inverted; /* likewise; a tick assesses a 16th of the tetrahedra, so the count covers the last 16

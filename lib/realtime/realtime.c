@@ -32,6 +32,8 @@ static const double NEAR = 0.7;
 /* The nodes may be off by so many times the last correction, and with none friction's forces by so many times
  * the error of the tick. A correction that halves the error leaves as much as it was itself. */
 static const double ANCHORED = 3.0;
+/* No budget ends a tick whose residual is above this multiple of the elements' forces. */
+static const double LOST = 1.0;
 /* Time step of the tangent of the first factor, s. */
 static const double INSTANT = 1e-3;
 /* Limits of backtracking steps, rounds and corrections where the budget sets none. */
@@ -260,16 +262,18 @@ static bool seeks_stable_branch(const palp_realtime *rt) {
     return rt->net->settings.branch == PALP_BRANCH_STABLE;
 }
 
-/* Corrections that the budget leaves room for. The first is always made: extrapolation alone would drift. */
+/* Corrections that the budget leaves room for. The first is always made: extrapolation alone would drift. So
+ * are more while the residual exceeds the elements' forces: later ticks would start from a folded state. */
 static size_t corrections_left_in_budget(const palp_realtime *rt, const tick *t) {
     size_t own = seeks_stable_branch(rt) ? DESCENT : CORRECTIONS,
            most = t->budget.corrections > 0 ? t->budget.corrections : own;
-    size_t left = most > t->info.corrections ? most - t->info.corrections : 0;
+    const bool lost = t->info.residual > LOST && t->info.corrections < SINGLE_ROUNDS;
+    const size_t least = t->info.corrections == 0 || lost ? 1 : 0;
+    size_t left = most > t->info.corrections ? most - t->info.corrections : least;
     if (!(t->budget.seconds > 0.0))
         return left;
     double spare = t->budget.seconds - (realtime_clock() - t->start) - rt->times.evaluation - rt->times.rest;
     double fit = floor(spare / rt->times.correction);
-    size_t least = t->info.corrections == 0 ? 1 : 0;
     return fit < (double)left ? (fit >= 1.0 ? (size_t)fit : least) : left;
 }
 

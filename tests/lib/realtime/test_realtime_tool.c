@@ -110,14 +110,15 @@ START_TEST(sudden_withdrawal) {
 }
 END_TEST
 
-/* A sphere at 100 mm/s on stiff contacts is too fast for two corrections a tick: where the force is off by as
- * much as it is, the estimate says so. */
-START_TEST(too_fast_is_told) {
+/* A sphere at 100 mm/s on stiff contacts is too fast for two corrections a tick: some ticks make more, so
+ * that the force stays near the right one and comes back to it when the sphere has stopped. */
+START_TEST(too_fast_for_the_budget) {
     palp_contact_settings stiff = palp_contact_settings_default();
     stiff.stiffness = 200.0;
     palp_realtime *net = cube_touched(7, 2, &stiff), *reference = cube_touched(7, 2, &stiff);
     const palp_budget two = {.corrections = 2};
-    size_t astray = 0;
+    double error = 0.0, last = 0.0, peak = 0.0;
+    size_t more = 0;
     for (size_t i = 1; i <= 50; i++) {
         const palp_tool tool = {.shape = PALP_TOOL_SPHERE,
                                 .position_m = {0.0121, HEIGHT + 0.005 - fmin(3e-3, 1e-4 * (double)i), 0.0123},
@@ -130,13 +131,16 @@ START_TEST(too_fast_is_told) {
         ck_assert_int_eq(palp_realtime_step(reference, 0.0, 1e-3, &ALL, NULL), PALP_OK);
         ck_assert_int_eq(palp_network_tool_force(net_of(net), &felt[0]), PALP_OK);
         ck_assert_int_eq(palp_network_tool_force(net_of(reference), &felt[1]), PALP_OK);
-        if (fabs(felt[0].force_N[1] - felt[1].force_N[1]) > fabs(felt[0].force_N[1])) {
-            astray++;
-            ck_assert(!info.converged);
-            ck_assert_double_gt(info.force_error_N, fabs(felt[0].force_N[1]));
-        }
+        last = fabs(felt[0].force_N[1] - felt[1].force_N[1]);
+        peak = fmax(peak, fabs(felt[1].force_N[1]));
+        error = fmax(error, last);
+        more += info.corrections > 2;
+        ck_assert_double_le(info.residual, 1.0);
     }
-    ck_assert_uint_gt(astray, 0);
+    ck_assert_uint_gt(more, 0);
+    ck_assert_uint_lt(more, 25);
+    ck_assert_msg(error < 0.15 * peak && last < 1e-3 * peak, "off by %g, at the end by %g, of %g N", error,
+                  last, peak);
     drop(net);
     drop(reference);
 }
@@ -256,6 +260,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, tool_is_felt);
     tcase_add_test(tc, rough_tool_within_a_tick);
     tcase_add_test(tc, sudden_withdrawal);
-    tcase_add_test(tc, too_fast_is_told);
+    tcase_add_test(tc, too_fast_for_the_budget);
     tcase_add_test(tc, taken_away);
 }
