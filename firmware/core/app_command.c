@@ -9,8 +9,6 @@
 
 enum { LEAST_TIMEOUT_MS = 100, MOST_TIMEOUT_MS = 60000 };
 
-/* ---- may it? ---- */
-
 #define IN(state) (1U << PALP_WIRE_STATE_##state)
 #define ALWAYS ((1U << PALP_WIRE_STATE_COUNT) - 1)
 #define STILL (IN(IDLE) | IN(READY))
@@ -61,8 +59,6 @@ static uint8_t permitted(const app *a, uint8_t command) {
     }
     return PALP_WIRE_RESULT_UNKNOWN;
 }
-
-/* ---- doing it ---- */
 
 static uint8_t done_if(bool good) {
     return good ? PALP_WIRE_RESULT_DONE : PALP_WIRE_RESULT_RANGE;
@@ -324,8 +320,6 @@ static uint8_t execute(app *a, const palp_wire_message *c) {
         return PALP_WIRE_RESULT_DONE;
     }
 }
-
-/* ---- answering ---- */
 
 static void answer(app *a, const palp_wire_message *c) {
     switch (c->type) {

@@ -53,8 +53,6 @@ static bool rest(app *a, uint32_t ticks) {
     return ++a->phase_ticks >= ticks;
 }
 
-/* ---- homing ---- */
-
 /* Moves until it is off the switch by HOME_OFF_M. */
 static bool leave_switch(app *a) {
     const float off_m = a->reference.position_m + HOME_OFF_M;
@@ -120,8 +118,6 @@ void motion_bounds(const app *a, float *low_m, float *high_m) {
     }
 }
 
-/* ---- the search for contact ---- */
-
 void motion_withdraw(app *a, float to_m) {
     a->back_m = real_clamp(to_m, 0.0f, a->limits.travel_m);
 }
@@ -163,8 +159,6 @@ static void retract_step(app *a) {
     if (move_toward(&a->reference, a->back_m, jogs ? a->rate_m_s : MOTION_RATE_M_S))
         (void)supervisor_take(&a->supervisor, SUPERVISOR_DONE);
 }
-
-/* ---- a run ---- */
 
 static bool follow(app *a) {
     a->trajectory.measured_N = a->force_N;

@@ -123,8 +123,6 @@ static bool sees(const app *a) {
     return false;
 }
 
-/* ---- one ---- */
-
 bool parameters_get(const app *a, uint8_t id, palp_wire_parameter *one) {
     uint8_t index = 0;
     const row *r = row_of(id, &index);

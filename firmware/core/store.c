@@ -22,8 +22,6 @@ uint32_t store_check(uint32_t check, uint32_t word) {
     return ~rest;
 }
 
-/* ---- what is there ---- */
-
 static bool is_blank(const uint32_t *word, uint32_t n) {
     for (; n > 0; n--)
         if (*word++ != STORE_BLANK)
@@ -100,8 +98,6 @@ uint32_t store_to_erase(const uint32_t *memory) {
     const uint32_t other = other_area(&s);
     return is_blank(memory + other * STORE_AREA, STORE_AREA) ? (uint32_t)STORE_AREAS : other;
 }
-
-/* ---- a record is written ---- */
 
 bool store_begin(store *s, uint32_t n) {
     if (s->room >= STORE_WORDS || n < 1 || n > STORE_VALUES)

@@ -7,8 +7,6 @@
 
 enum { PERIOD = 1000000000, MOST_CYCLES = 65535 };
 
-/* ---- stroke ---- */
-
 /* The next whole number, limited to the type's range. */
 static uint32_t round_up(float x) {
     if (x >= 4e9f)
@@ -63,8 +61,6 @@ bool stroke_step(stroke *s, reference *next) {
     return true;
 }
 
-/* ---- waves ---- */
-
 /* Periods of a SWEEP: start * duration * (2^octaves - 1) / ln 2^octaves, plus 0.002 against rounding. A last
  * period that is short by this ends practically at rest. */
 static float sweep_cycles(float start_Hz, float octaves, float duration_s) {
@@ -117,8 +113,6 @@ static bool wave_step(trajectory *t, const segment *s) {
         wave_reference(t, s);
     return true;
 }
-
-/* ---- segments ---- */
 
 static bool within(uint32_t x, uint32_t most) {
     return x > 0 && x <= most;
@@ -211,8 +205,6 @@ void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire)
     }
 }
 
-/* ---- the list ---- */
-
 static void begin_stroke(trajectory *t, const segment *s, float from_m, float to_m) {
     stroke_begin(&t->stroke, from_m, to_m, s->rate_m_s,
                  s->smooth ? 0.5f * s->acceleration_m_s2 : s->acceleration_m_s2);
@@ -279,8 +271,6 @@ static bool cycle_step(trajectory *t, const segment *s) {
     begin_stroke(t, s, t->now.position_m, t->cycle % 2 == 0 ? s->target_m : t->start_m);
     return stroke_step(&t->stroke, &t->now);
 }
-
-/* ---- force ---- */
 
 #define FORCE_AIR_M_S 1e-3f  /* speed in the air, towards contact */
 #define FORCE_MOST_M_S 0.02f /* highest speed in the specimen */

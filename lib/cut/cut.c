@@ -10,8 +10,6 @@ static const double LOOSE = 1e-3;       /* spring of a loose node, relative to i
 static const double MECHANISM = 1e-6;   /* the same for the diagonal of any other node */
 static const double SMALL_STRAIN = 0.1; /* strain at which stiffness is taken, as a law may start from 0 */
 
-/* ---- what is loose ------------------------------------------------------------------------------- */
-
 /* A part is loose unless one of its nodes has a supported axis or is grasped. */
 static void find_loose_parts(network_term *term, palp_network *net) {
     network_cut *cut = (network_cut *)term;
@@ -73,8 +71,6 @@ static void restore_all_elements(palp_network *net, network_cut *cut) {
     memcpy(net->scale, cut->whole, net->n_elements * sizeof *net->scale);
     cut_surface_whole(&cut->surface);
 }
-
-/* ---- the term ------------------------------------------------------------------------------------ */
 
 /* Only alive is saved: all else of a network_cut follows from it. */
 static void pass_cut_state(network_term *term, palp_network *net, network_cursor *cursor) {
@@ -139,8 +135,6 @@ static const network_term_kind CUT = {.reset = reset_cut_stiffness,
 network_cut *cut_of(const palp_network *net) {
     return (network_cut *)network_find_term(net, &CUT);
 }
-
-/* ---- the public calls ---------------------------------------------------------------------------- */
 
 static palp_status allocate_cut_arrays(const palp_network *net, network_cut *cut) {
     size_t n = net->n_nodes, m = net->n_elements;

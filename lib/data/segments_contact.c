@@ -62,8 +62,6 @@ void palp_press_free(palp_press *press) {
     memset(press, 0, sizeof *press);
 }
 
-/* ---- air ---- */
-
 double palp_air_force(const palp_air *air, double time_s) {
     return air ? air->level_N + air->drift_N_s * time_s : NAN;
 }
@@ -139,8 +137,6 @@ bool palp_press_starts_in_air(const palp_press *p) {
     double trend = statistics_mean(p->force_N + n - third, third) - statistics_mean(p->force_N, third);
     return fabs(trend) <= BEYOND * sqrt(squares / (double)n / (double)third);
 }
-
-/* ---- no air ---- */
 
 /* First sample that is so far from the start. */
 static size_t find_first_moved_sample(const palp_press *p, double by) {

@@ -63,8 +63,6 @@ static void append_motion_piece(path *p, palp_motion motion, size_t first, size_
     to->piece[to->n++] = (palp_piece){motion, first, last};
 }
 
-/* ---- turns ---- */
-
 static bool find_turning_points(path *p) {
     double back = fmax(TURN * p->range, 3.0 * p->still);
     size_t low = 0, high = 0, n = 1;
@@ -131,8 +129,6 @@ static bool is_frequency_sweep(const path *p, size_t leg, size_t end) {
            last = duration_of_leg(p, end - 1) + duration_of_leg(p, end - 2);
     return first > SWEPT * last || last > SWEPT * first;
 }
-
-/* ---- straight pieces between oscillations ---- */
 
 typedef struct stretch {
     size_t first, last;
@@ -212,8 +208,6 @@ static size_t absorb_overshoots(const path *p, stretch *s, size_t n) {
             s[k].way = 0;
     return merge_equal_stretches(s, n);
 }
-
-/* ---- names ---- */
 
 static size_t crosses_contact(const path *p, const stretch *s) {
     size_t i = s->first;

@@ -13,8 +13,6 @@
 enum { ORDER = 8, LEAST = 10 * (ORDER + 3) };
 static const double SD_OF_MEDIAN = 1.4826; /* a Gaussian's */
 
-/* ---- how noisy the depth is ---- */
-
 /* Weights with which a sample's bend is best predicted from the bends of the order samples before it. */
 static bool predict_bends(size_t order, size_t n, const double *bend, double *weight) {
     double a[SEGMENTS_ORDER_MAX * SEGMENTS_ORDER_MAX] = {0}, sum = 0.0;
@@ -67,8 +65,6 @@ static double least_step(size_t n, const double *depth) {
             least = fmin(least, fabs(depth[i] - depth[i - 1]));
     return least;
 }
-
-/* ---- the path ---- */
 
 /* Depth and speed, and their covariance as xx, xv, vv. */
 typedef struct state {

@@ -40,8 +40,6 @@ bool palp_tip_find(const char *name, palp_tip_kind *kind) {
     return false;
 }
 
-/* ---- the layer ---- */
-
 /* Gauss' rule on 0 to 1. */
 static void gauss_legendre_rule(size_t n, double *x, double *w) {
     for (size_t i = 0; i < n; i++) {
@@ -227,8 +225,6 @@ static palp_status force_of_curved_tip(layer *l, const palp_indentation *in, siz
                           : 0.0;
     return status;
 }
-
-/* ---- any tip ---- */
 
 static bool is_indentation_valid(const palp_indentation *in) {
     if (!in || !palp_tip_name(in->tip) || !(in->thickness_m > 0) || !(in->poisson > -1.0) ||

@@ -77,8 +77,6 @@ double mesh_direction(const palp_mesh *mesh, const int32_t pair[2], double n[3])
     return length;
 }
 
-/* ---- checks -------------------------------------------------------------------------------------- */
-
 static int compare_node_pairs(const void *left, const void *right) {
     const int32_t *a = left, *b = right;
     if (a[0] != b[0])
@@ -241,8 +239,6 @@ palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_element
     return status;
 }
 
-/* ---- sets ---------------------------------------------------------------------------------------- */
-
 static int compare_node_indices(const void *left, const void *right) {
     int32_t a = *(const int32_t *)left, b = *(const int32_t *)right;
     return (a > b) - (a < b);
@@ -307,8 +303,6 @@ palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, co
     *nodes = set->nodes;
     return PALP_OK;
 }
-
-/* ---- what it holds ------------------------------------------------------------------------------- */
 
 size_t palp_mesh_node_count(const palp_mesh *mesh) {
     return mesh ? mesh->n_nodes : 0;

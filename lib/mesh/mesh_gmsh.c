@@ -166,8 +166,6 @@ static palp_status check_mesh_is_connected(const gmsh_file *r, const palp_mesh *
                      from->tag, to->tag);
 }
 
-/* ---- sets ---------------------------------------------------------------------------------------- */
-
 static int compare_group_members(const void *left, const void *right) {
     const gmsh_member *a = left, *b = right;
     if (a->group != b->group)
@@ -219,8 +217,6 @@ static palp_status add_all_node_sets(const gmsh_file *r, palp_mesh *mesh) {
         status = add_missing_end_set(r, mesh, "top", true);
     return status ? gmsh_no_memory(r) : PALP_OK;
 }
-
-/* ---- the mesh ------------------------------------------------------------------------------------ */
 
 static palp_status build_mesh_from_gmsh(gmsh_file *r, bool diagonals, palp_mesh **mesh) {
     palp_mesh *m = NULL;

@@ -91,8 +91,6 @@ static palp_status read_geometric_entities(gmsh_file *r) {
     return status;
 }
 
-/* ---- nodes --------------------------------------------------------------------------------------- */
-
 /* The line "blocks total lowest-tag highest-tag" of $Nodes and $Elements. */
 static palp_status read_section_totals(gmsh_file *r, size_t *blocks, size_t *total) {
     long long tag;
@@ -189,8 +187,6 @@ static palp_status read_nodes_section(gmsh_file *r) {
         return gmsh_fail(r, r->line, "%zu nodes, but $Nodes announces %zu", r->nodes.n, total);
     return status ? status : sort_nodes_by_tag(r);
 }
-
-/* ---- elements ------------------------------------------------------------------------------------ */
 
 /* Number of nodes of the element types that are read, 0 for others. Volumes are tetrahedra and hexahedra of
  * first order. Points, lines and faces, which only define groups, have all common types. */
@@ -328,8 +324,6 @@ static palp_status read_elements_section(gmsh_file *r) {
         return gmsh_fail(r, r->line, "%zu elements fewer than $Elements announces", left);
     return status;
 }
-
-/* ---- the file ------------------------------------------------------------------------------------ */
 
 static palp_status refuse_partitions(gmsh_file *r) {
     return gmsh_fail(r, r->line, "partitioned meshes are not supported; save it in one part");

@@ -19,8 +19,6 @@ enum { SWEEPS = 200 };
 static const double ENOUGH = 1e-4, LEAST = 0.2;
 static const double SHORTEST = 0.2; /* element across a face, of the face's longest edge */
 
-/* ---- geometry ------------------------------------------------------------------------------------ */
-
 /* Volume; area[i] = three times the volume's derivative by corner i, i.e. volume times its shape function's
  * gradient is area[i] / 3. */
 static double tetrahedron_volume_and_areas(const palp_mesh *mesh, const int32_t t[4], double area[4][3]) {
@@ -55,8 +53,6 @@ double mesh_volume(const palp_mesh *mesh, double *node_m3) {
     }
     return total;
 }
-
-/* ---- elements across faces ----------------------------------------------------------------------- */
 
 /* The corner of b that is none of a's. */
 static int32_t corner_of_other_tetrahedron(const int32_t a[4], const int32_t b[4]) {
@@ -99,8 +95,6 @@ static palp_status add_pairs_across_faces(palp_mesh *mesh, const int32_t *neighb
     return PALP_OK;
 }
 
-/* ---- volume around an element -------------------------------------------------------------------- */
-
 static const unsigned char edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 /* Is every edge of a tetrahedron an element? */
@@ -130,8 +124,6 @@ static void gather_volumes(const palp_mesh *mesh, const int32_t *neighbour, doub
                                  mesh, mesh->tetrahedra + 4 * (size_t)neighbour[4 * i + f], area);
     }
 }
-
-/* ---- the fit ------------------------------------------------------------------------------------- */
 
 static void cubic_moments_of_direction(const double n[3], double w[CUBE]) {
     for (size_t j = 0; j < CUBE; j++)
@@ -232,8 +224,6 @@ static palp_status fit_factors_to_continuum(palp_mesh *mesh, double area_m2) {
     free(least);
     return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
-
-/* ---- both ---------------------------------------------------------------------------------------- */
 
 /* In proportion to volume over length. */
 static palp_status scale_by_volume(palp_mesh *mesh, double area_m2, palp_error *error) {

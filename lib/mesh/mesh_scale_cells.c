@@ -64,8 +64,6 @@ static void measure(const palp_mesh *mesh, size_t index, cell *c) {
         c->volume_m3 += mesh_volume6(mesh->x_m, mesh->tetrahedra + 4 * (6 * index + t)) / 6.0;
 }
 
-/* ---- a box --------------------------------------------------------------------------------------- */
-
 /* Factors of a lattice of such boxes are constant[mask] + slope[mask] times that of the body's diagonals. */
 static void box_family(double shear, const double square[3], double constant[MASKS], double slope[MASKS]) {
     const double body = pow(square[0] + square[1] + square[2], 1.5);
@@ -120,8 +118,6 @@ static void start_from_box(cell *c, double area_m2) {
         c->factor[i] = fmax(c->least[i], (constant[c->mask[i]] + slope[c->mask[i]] * body) / cells);
     }
 }
-
-/* ---- any cell ------------------------------------------------------------------------------------ */
 
 static double square_of(const double *tensor) {
     double sum = 0.0;

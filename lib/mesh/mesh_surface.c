@@ -74,8 +74,6 @@ void mesh_split_cell(palp_mesh *mesh, int n, const int32_t *node) {
     mesh->n_tetrahedra += made;
 }
 
-/* ---- faces --------------------------------------------------------------------------------------- */
-
 /* The nodes of face f, ascending. */
 static void sorted_nodes_of_face(const int32_t *t, size_t f, int32_t node[3]) {
     mesh_face(t, f, node);
@@ -143,8 +141,6 @@ palp_status mesh_add_surface(palp_mesh *mesh) {
     free(neighbour);
     return status;
 }
-
-/* ---- what it holds ------------------------------------------------------------------------------- */
 
 size_t palp_mesh_tetrahedron_count(const palp_mesh *mesh) {
     return mesh ? mesh->n_tetrahedra : 0;

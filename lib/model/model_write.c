@@ -84,8 +84,6 @@ static palp_status check_model_before_write(const palp_model *model, palp_error 
     return status ? status : palp_model_effects_check(model, error);
 }
 
-/* ---- text ---- */
-
 /* Destination of a model's text, and separators of its parts. */
 typedef struct writer {
     FILE *stream;

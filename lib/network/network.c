@@ -320,8 +320,6 @@ bool palp_network_buckled(const palp_network *net, double *stable_m, double *uns
     return net->buckled;
 }
 
-/* ---- of a model -------------------------------------------------------------------------------- */
-
 /* Effects of the tester are not part of the tissue and are left out. Effects of elements or plates cannot
  * be. */
 static palp_status check_effects_supported(const palp_model *model, palp_error *error) {

@@ -26,8 +26,6 @@ typedef struct chunk_room {
     double strain[CHUNK], force[CHUNK], elastic[CHUNK], peak[CHUNK], arm[PALP_ARMS_MAX][CHUNK];
 } chunk_room;
 
-/* ---- nodes to elements and back ------------------------------------------------------------------- */
-
 /* Lists the runs unless run is NULL; returns their number. */
 static size_t list_consecutive_runs(const palp_network *net, network_run *run, size_t *first_run) {
     const int32_t *pair = net->pair;
@@ -199,8 +197,6 @@ static chunk chunk_of_elements_at(const palp_network *net, size_t at) {
     c.n = left < CHUNK ? left : CHUNK;
     return c;
 }
-
-/* ---- forces -------------------------------------------------------------------------------------- */
 
 PALP_CLONES
 static void measure_strain_of_chunk(size_t n, const double *restrict square,
@@ -426,8 +422,6 @@ bool network_element_forces(palp_network *net, const network_blocks *blocks) {
     net->tangent_squares = sum_of_all_lanes(tangents);
     return true;
 }
-
-/* ---- tangent ------------------------------------------------------------------------------------- */
 
 /* d = minus the elements' blocks times d. */
 PALP_CLONES

@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- memory -------------------------------------------------------------------------------------- */
-
 static void allocate_state_arrays(const palp_network *net, arena *memory, network_state *s) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
     s->x = arena_take(memory, n3, sizeof(double));
@@ -26,8 +24,6 @@ static void allocate_state_arrays(const palp_network *net, arena *memory, networ
     if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
         s->vector = arena_take(memory, 3 * m, sizeof(double));
 }
-
-/* ---- walks over a state -------------------------------------------------------------------------- */
 
 void network_pass(network_cursor *c, void *data, size_t bytes) {
     if (c->way == NETWORK_SAVE)
@@ -130,8 +126,6 @@ palp_status network_allocate_states(palp_network *net) {
     return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-/* ---- terms --------------------------------------------------------------------------------------- */
-
 void *network_term_new(const network_term_kind *kind, size_t size) {
     network_term *term = calloc(1, size);
     if (term)
@@ -212,8 +206,6 @@ void network_mark_restore(palp_network *net) {
     net->n_past = 0;
     net->trial = false;
 }
-
-/* ---- a buffer of the caller's -------------------------------------------------------------------- */
 
 /* Precedes the state; sum is a checksum of the state. Saver and restorer must agree in all other fields. */
 typedef struct header {

@@ -57,8 +57,6 @@ void palp_realtime_free(palp_realtime *rt) {
     free(rt);
 }
 
-/* ---- making ready -------------------------------------------------------------------------------- */
-
 static palp_status allocate_realtime_arrays(palp_realtime *rt) {
     const palp_network *net = rt->net;
     double **arrays[] = {
@@ -169,8 +167,6 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
 palp_network *palp_realtime_network(const palp_realtime *rt) {
     return rt ? rt->net : NULL;
 }
-
-/* ---- a tick -------------------------------------------------------------------------------------- */
 
 /* The state of a tick. */
 typedef struct tick {

@@ -64,8 +64,6 @@ static palp_status binary_path_of_model(const char *path, char out[PALP_PATH_MAX
     return PALP_OK;
 }
 
-/* ---- writing ------------------------------------------------------------------------------------- */
-
 typedef struct sums {
     size_t bytes;
     uint64_t checksum;
@@ -171,8 +169,6 @@ palp_status palp_reduced_write(const palp_reduced *r, const palp_model *model, c
     free(network);
     return status;
 }
-
-/* ---- reading ------------------------------------------------------------------------------------- */
 
 static palp_status read_whole_number(const palp_json *at, const char *key, size_t *value) {
     palp_json member;

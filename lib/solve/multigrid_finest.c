@@ -27,8 +27,6 @@ static inline four solve_own_block(const multigrid *mg, size_t i, four s) {
     return multigrid_times(mg->level[0].inverse[mg->used] + BLOCK_FLOATS * i, s);
 }
 
-/* ---- the patch ----------------------------------------------------------------------------------- */
-
 /* r -= B x of a coupling; if turned, B' x. */
 static inline void subtract_coupling_product(const multigrid_coupling *c, bool turned, const float *x,
                                              float *r) {
@@ -106,8 +104,6 @@ static void relax_patch_upwards(multigrid *mg) {
     for (size_t k = mg->n_patch; k-- > 0;)
         relax_patch_node_upwards(mg, (size_t)mg->patch[k]);
 }
-
-/* ---- damped Jacobi ------------------------------------------------------------------------------- */
 
 /* Damping of the Jacobi steps before and after the coarser levels. The elements' part of the tangent is at
  * most twice its own blocks. A step is a contraction up to a ratio of 2.7. */

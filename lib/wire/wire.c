@@ -152,8 +152,6 @@ static bool decode_cobs_in_place(uint8_t *byte, size_t n) {
     return next == n;
 }
 
-/* ---- check characters ---- */
-
 /* The remainders of 0..255, each the sum of those of its bits. */
 #define R(i)                                                                                                 \
     (((i)&1 ? 0x1021 : 0) ^ ((i)&2 ? 0x2042 : 0) ^ ((i)&4 ? 0x4084 : 0) ^ ((i)&8 ? 0x8108 : 0) ^             \
@@ -179,8 +177,6 @@ static void append_check_characters(uint8_t to[CHECK], uint16_t crc) {
     to[1] = (uint8_t)(0x80 | (crc >> 4 & 0x3f));
     to[2] = (uint8_t)(0x80 | (crc & 0xf));
 }
-
-/* ---- frames ---- */
 
 size_t palp_wire_encode(const palp_wire_message *message, uint8_t *frame) {
     if (!message || !frame) {

@@ -19,8 +19,6 @@ static const char NAME[] = "acquire";
 static const char VERSION[] = "# palpate.experiment: 1\n";
 static const double KEEP_S = 0.5; /* longest delay of a row before it is written */
 
-/* ---- writing ---- */
-
 /* Number of bytes in complete lines. */
 static size_t whole_lines(const char *text, size_t n) {
     while (n > 0 && text[n - 1] != '\n')
@@ -73,8 +71,6 @@ static void put_row(acquire_file *f, char row[ROW_MAX + PAGE], int length) {
     row[n + blanks] = '\n';
     put(f, row, n + blanks + 1);
 }
-
-/* ---- the header ---- */
 
 unsigned acquire_columns(const char *words) {
     static const struct {
@@ -190,8 +186,6 @@ int acquire_file_open(acquire_file *f, const char *path, bool force, unsigned co
     }
     return CLI_OK;
 }
-
-/* ---- samples ---- */
 
 static double along(const acquire_scale *s, const double row[PALP_WIRE_CHANNELS],
                     const int16_t adc[PALP_WIRE_CHANNELS]) {
@@ -328,8 +322,6 @@ void acquire_file_keep(acquire_file *f) {
 bool acquire_file_lossy(const acquire_figures *g) {
     return 100 * (g->lost + g->bad) > g->samples + g->lost + g->bad;
 }
-
-/* ---- the end ---- */
 
 int acquire_file_close(acquire_file *f, const char *fault, double winding_C) {
     char text[END_LINES * END_WIDTH], quoted[32];

@@ -8,8 +8,6 @@
 
 static const char NAME[] = "acquire";
 
-/* ---- reading ---- */
-
 int acquire_json_open(const char *file, const char *what, acquire_json *j) {
     json_error_t where;
     palp_error error;

@@ -41,8 +41,6 @@ void acquire_live_add(acquire_live *l, const acquire_sample *x) {
     l->force_N[l->n++] = (float)x->force_N;
 }
 
-/* ---- the curve ---- */
-
 static void range(const float *x, size_t n, double *low, double *high) {
     *low = *high = n ? (double)x[0] : 0;
     for (size_t i = 0; i < n; i++) {
@@ -79,8 +77,6 @@ void acquire_live_draw(const acquire_live *l, int rows, int columns, FILE *to) {
         fputc('-', to);
     fprintf(to, "\n%10s%-12.4g%*.4g %s\n", "", left, columns - 12, right, l->by_depth ? "mm" : "s");
 }
-
-/* ---- on the terminal ---- */
 
 /* Moves the cursor to the start of the last drawing. */
 static void rewind_screen(acquire_live *l) {

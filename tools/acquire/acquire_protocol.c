@@ -33,8 +33,6 @@ void acquire_motion_inherit(acquire_kind kind, acquire_motion *m, const acquire_
 #undef ACQUIRE_TAKE
 }
 
-/* ---- one run ---- */
-
 /* What nobody says. */
 static acquire_motion built_in(acquire_kind kind, double depth_mm) {
     acquire_motion m = acquire_motion_none();
@@ -122,8 +120,6 @@ bool acquire_plan_seed(acquire_plan *plan, const acquire_motion *defaults, char 
     return good && add_seed(plan, ACQUIRE_STATIC, 9.7, defaults, why) &&
            add_air(plan, "air_after", defaults, why);
 }
-
-/* ---- order ---- */
 
 static void shuffle(acquire_plan *plan, const size_t *press, size_t n) {
     uint64_t state = (uint64_t)plan->seed;

@@ -42,8 +42,6 @@ static bool kind_has(acquire_kind kind, const char *key) {
     return true;
 }
 
-/* ---- a list of segments ---- */
-
 /* Key of each segment and its required parameters. */
 static const struct {
     const char *key;
@@ -126,8 +124,6 @@ static int read_segments(const acquire_json *j, const char *where, const json_t 
     return code;
 }
 
-/* ---- a run ---- */
-
 static int read_kind(const acquire_json *j, const char *where, const json_t *object, acquire_kind *kind) {
     const char *text = json_string_value(json_object_get(object, "kind"));
     for (int k = 0; text && k < ACQUIRE_KINDS; k++) {
@@ -191,8 +187,6 @@ static int read_run(const acquire_json *j, size_t i, const acquire_motion *optio
     return kind == ACQUIRE_SEGMENTS ? read_segments(j, where, json_object_get(object, "segments"), r)
                                     : CLI_OK;
 }
-
-/* ---- the file ---- */
 
 static int read_order(const acquire_json *j, const char *key, const json_t *value, acquire_plan *plan) {
     const char *text = json_string_value(value);

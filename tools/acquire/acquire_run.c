@@ -8,8 +8,6 @@ static const char NAME[] = "acquire";
 
 static const double TRIGGER_S = 1e6; /* the time of a trigger is unknown; Ctrl-C ends the wait */
 
-/* ---- one run ---- */
-
 /* Warns if the force of this run rises at another depth than the contact found before the first run. */
 static void check_contact(const session *s) {
     const double early_mm = -0.1, late_mm = 0.25;
@@ -133,8 +131,6 @@ static outcome end_run(session *s, outcome end, const char *cause) {
     }
     return end;
 }
-
-/* ---- the end ---- */
 
 /* Withdraws the plate in any state; samples until then are recorded. */
 outcome session_withdraw(session *s, outcome end) {

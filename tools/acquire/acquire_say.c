@@ -30,8 +30,6 @@ static void list(json_t *to, const char *key, const double value[PALP_WIRE_CHANN
     json_object_set_new(to, key, json_numbers(PALP_WIRE_CHANNELS, value));
 }
 
-/* ---- the header of a recording ---- */
-
 static void specimen(const session *s, json_t *to) {
     const acquire_options *o = s->options;
     bool air = s->run->kind == ACQUIRE_FREE;
@@ -139,8 +137,6 @@ json_t *session_header(const session *s) {
     return to;
 }
 
-/* ---- the summary ---- */
-
 void session_note_run(session *s, const char *cause) {
     const acquire_figures *g = &s->file.figures;
     json_t *one = json_object();
@@ -174,8 +170,6 @@ json_t *session_summary(session *s, const char *cause) {
                      s->device.status.contact_known ? contact(s) : json_null(), "planned",
                      (json_int_t)s->plan->n, "runs", s->done, "fault", cause);
 }
-
-/* ---- the terminal ---- */
 
 void session_tell(const session *s, bool warning, const char *format, ...) {
     char text[ACQUIRE_WORDS];

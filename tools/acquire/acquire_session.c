@@ -36,8 +36,6 @@ outcome session_fail(session *s, const char *format, ...) {
     return FAILED;
 }
 
-/* ---- what arrives ---- */
-
 static void hear_samples(session *s, const palp_wire_samples *b) {
     s->tick = b->tick + b->count - 1u;
     s->case_C = 1e-2 * b->case_cC;
@@ -76,8 +74,6 @@ static outcome mended(session *s, outcome end) {
                      strncmp(s->options->where, "fd:", 3) != 0;
     return end == GONE && may ? s->reconnect(s) : end;
 }
-
-/* ---- orders ---- */
 
 /* The fault's reason and its time in the recording. */
 static outcome faulted(session *s) {
@@ -147,8 +143,6 @@ outcome session_segments(session *s, const acquire_run *r) {
     return end;
 }
 
-/* ---- waiting ---- */
-
 static void show(session *s) {
     char line[ACQUIRE_TEXT];
     if (s->live.terminal) {
@@ -215,8 +209,6 @@ outcome session_stream(session *s, bool on) {
     outcome end = session_order(s, &m, "send samples");
     return mended(s, end);
 }
-
-/* ---- beginning and end ---- */
 
 static void catch_signals(void) {
     struct sigaction note = {.sa_handler = note_stop}, ignore = {.sa_handler = SIG_IGN};

@@ -68,8 +68,6 @@ size_t acquire_setup_columns(acquire_setup *u, cli_option *list) {
     return sizeof all / sizeof all[0];
 }
 
-/* ---- from options to a device ---- */
-
 static bool is_rig(const acquire_setup *u) {
     return strcmp(u->session.port, "rig") == 0 || strncmp(u->session.port, "rig:", 4) == 0;
 }

@@ -126,8 +126,6 @@ static int parse(int argc, char **argv, choice *c) {
     return cli_parse(&command, argc, argv, NULL, 0, &words);
 }
 
-/* ---- which options go together ---- */
-
 enum { STATIC = 1, RAMP_HOLD = 2, CYCLES = 4, SWEEP = 8, PROTOCOL = 16, THESIS = 32 };
 
 static int modes(const choice *c) {
@@ -187,8 +185,6 @@ static void set_triggers(choice *c) {
     o->columns = o->trigger_in || o->trigger_out ? ACQUIRE_TRIGGER : 0;
 }
 
-/* ---- the plan ---- */
-
 static bool add(const choice *c, acquire_kind kind, double depth_mm, acquire_plan *plan,
                 char why[ACQUIRE_TEXT]) {
     acquire_motion m = c->motion;
@@ -218,8 +214,6 @@ static int make_plan(const choice *c, acquire_plan *plan) {
     return good ? CLI_OK : cli_usage_error(NAME, "--%s %s", mode_name(modes(c)), why);
 }
 
-/* ---- the specimen ---- */
-
 static int check_specimen(const choice *c, const acquire_plan *plan) {
     const acquire_options *o = &c->setup.session;
     for (size_t i = 0; i < plan->n; i++) {
@@ -234,8 +228,6 @@ static int check_specimen(const choice *c, const acquire_plan *plan) {
     }
     return CLI_OK;
 }
-
-/* ---- all of it ---- */
 
 /* Checks outputs in advance: existing files, and those that the rig reads or writes. */
 static int check_files(const choice *c, const acquire_plan *plan) {

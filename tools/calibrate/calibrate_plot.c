@@ -6,8 +6,6 @@
 
 enum { CURVE_POINTS = 400, MARKS = 60, LAW_POINTS = 200, SHOWN_MAX = 7 };
 
-/* ---- static ---- */
-
 static void plot_fit(json_t *figures, const calibrate_state *s) {
     const palp_calibration *c = &s->static_result;
     double depth[CURVE_POINTS], force[CURVE_POINTS], miss[CURVE_POINTS], mark[MARKS], wanted[MARKS];
@@ -59,8 +57,6 @@ static void plot_law(json_t *figures, const calibrate_state *s) {
                                            .series = series}}};
     plot_draw(figures, "stiffness", &figure);
 }
-
-/* ---- relaxation ---- */
 
 /* Samples thinned evenly in log time for the marks; returns how many. */
 static size_t marks(const record *run, const double *wanted, double *time_s, double *force_N) {

@@ -72,8 +72,6 @@ static int parse(int argc, char **argv, machine_options *o, const char **action)
     return code;
 }
 
-/* ---- the command ---- */
-
 static int with_device(machine_options *o, int (*run)(const machine_options *o, session *s)) {
     int code = cli_folder(NAME, o->setup.session.out);
     code = code ? code : acquire_setup_prepare(NAME, &o->setup);

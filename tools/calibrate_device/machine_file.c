@@ -8,8 +8,6 @@
 
 static const char NAME[] = MACHINE_NAME;
 
-/* ---- shown ---- */
-
 static json_t *values(const device_parameters *p) {
     json_t *to = json_object();
     for (size_t i = 0; i < p->n; i++) {
@@ -74,8 +72,6 @@ int machine_show(const machine_options *o, session *s) {
         print(&p);
     return code;
 }
-
-/* ---- set ---- */
 
 /* NAME=VALUE, or NAME.INDEX=VALUE of one with several values. */
 static int read_word(const device_parameters *p, const char *word, machine_change *change) {
@@ -176,8 +172,6 @@ int machine_standard(const machine_options *o, session *s) {
     int code = result ? machine_failure(d, result) : machine_change_all(o, d, p.n, change);
     return code ? code : machine_show(o, s);
 }
-
-/* ---- a file ---- */
 
 static int take_number(const acquire_json *j, const char *where, const json_t *value,
                        const device_parameter *one, machine_change *change) {

@@ -40,8 +40,6 @@ void machine_trace_free(machine_trace *t) {
     *t = (machine_trace){.n = 0};
 }
 
-/* ---- a line ---- */
-
 typedef struct normal {
     size_t n;
     double a[MACHINE_TERMS][MACHINE_TERMS], inverse[MACHINE_TERMS][MACHINE_TERMS];

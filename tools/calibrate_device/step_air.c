@@ -124,8 +124,6 @@ static outcome measure(airing *a) {
     return session_withdraw(s, end);
 }
 
-/* ---- results ---- */
-
 static int keep(const airing *a, const device_parameters *p, machine_result *result) {
     double x[PASSES][MACHINE_TERMS], one[PASSES][MACHINE_TERMS];
     machine_figure line[2], lift;

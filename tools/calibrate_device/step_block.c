@@ -70,8 +70,6 @@ static bool motor_share(const session *s, const machine_trace *t, double force_N
     return found;
 }
 
-/* ---- the frame ---- */
-
 static int frame_of(const char *folder, palp_frame *frame) {
     char path[CLI_PATH_MAX];
     palp_error error = {PALP_OK, ""};

@@ -28,8 +28,6 @@ typedef struct drive {
     double error_um; /* rms of the control error */
 } drive;
 
-/* ---- the sweep ---- */
-
 static bool plan_sweep(acquire_plan *plan) {
     char why[ACQUIRE_TEXT];
     acquire_motion m = acquire_motion_none();
@@ -52,8 +50,6 @@ static int sweep(session *s, machine_trace *trace) {
     trace->on = false;
     return machine_ended(s, session_withdraw(s, end));
 }
-
-/* ---- identification ---- */
 
 typedef struct signals {
     const machine_sample *list;
@@ -173,8 +169,6 @@ static int measure(session *s, machine_trace *trace, double motor_N, drive *d) {
     return cli_failure(
         NAME, "the sweep does not identify mass, drag and friction: it has %zu successive samples", g.n);
 }
-
-/* ---- gains ---- */
 
 /* Three equal poles -w: w and the stiffness of the class follow from the gains in use; doc/control.md. */
 static bool class_gains(const device_parameters *p, size_t k, const drive *d, machine_change change[3]) {

@@ -89,8 +89,6 @@ static outcome weigh_all(weighing *w) {
     return end ? end : weigh(w, 0);
 }
 
-/* ---- results ---- */
-
 typedef struct weighed {
     machine_figure zero, slope; /* reading = zero + slope * force */
     double linearity_percent, noise_N, drift_N;

@@ -44,8 +44,6 @@ static void find_band(characterize_state *s) {
                                           stiffness[i] + 1.96 * sd[i]};
 }
 
-/* ---- the model against its runs ---- */
-
 static palp_status compare_run(characterize_state *s, size_t i) {
     const palp_recording *r = &s->run[i];
     double *force = malloc(r->n * sizeof *force), *depth = malloc(r->n * sizeof *depth);
@@ -64,8 +62,6 @@ static palp_status compare_run(characterize_state *s, size_t i) {
     free(depth);
     return status;
 }
-
-/* ---- static runs against each other ---- */
 
 /* Mean force of the samples near a strain; NaN without any. */
 static double force_near(const palp_recording *r, double strain, double width) {

@@ -74,8 +74,6 @@ static json_t *laws_json(const characterize_state *s) {
     return list;
 }
 
-/* ---- runs ---- */
-
 static json_t *fitted_run_json(const characterize_state *s, size_t i) {
     const palp_recording *r = &s->run[i];
     json_t *to = run_json(r);
@@ -166,8 +164,6 @@ static json_t *spread_json(const characterize_state *s) {
     }
     return list;
 }
-
-/* ---- the whole ---- */
 
 static void add_lists(json_t *all, const characterize_state *s) {
     json_t *runs = json_array(), *statics = json_array(), *singles = json_array(), *warnings = json_array();

@@ -6,8 +6,6 @@
 
 static const char NAME[] = "characterize";
 
-/* ---- first guesses ---- */
-
 /* Fits a law to K_inf of the depths, as if recorded by a static press, by least squares. */
 palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law) {
     double depth[CHARACTERIZE_RUNS_MAX], force[CHARACTERIZE_RUNS_MAX], norm = 0;
@@ -109,8 +107,6 @@ palp_status characterize_guess_polynomial(const characterize_state *s, size_t n,
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law) {
     return guess(s, (palp_law_kind)o->law, o->law == PALP_LAW_SPLINE ? o->knots : s->degree, law);
 }
-
-/* ---- the law by evidence ---- */
 
 /* By rising number of parameters. */
 static palp_status list_laws(characterize_state *s) {

@@ -10,8 +10,6 @@ static const char NAME[] = "characterize";
 
 enum { PAIRS_MAX = 12 };
 
-/* ---- numbers ---- */
-
 /* "7.608 +-0.012", half the interval; "?" if the data do not identify it. */
 static void with_half(char text[2 * DIGITS_TEXT], const palp_estimate *e) {
     double half = 0.5 * (e->high - e->low);
@@ -22,8 +20,6 @@ static void with_half(char text[2 * DIGITS_TEXT], const palp_estimate *e) {
         snprintf(text, 2 * DIGITS_TEXT, "%s +-%s", digits_text(value, e->value, half),
                  digits_text(more, half, half));
 }
-
-/* ---- tables ---- */
 
 static void print_static(const characterize_state *s) {
     for (size_t i = 0; i < s->n_static; i++) {

@@ -7,8 +7,6 @@
 
 static const char NAME[] = "characterize";
 
-/* ---- findings ---- */
-
 typedef struct text_line {
     char text[512];
     size_t n;
@@ -50,8 +48,6 @@ static void tell(const palp_recording *r) {
         add(&line, "; cut short by a fault", 0, 0);
     cli_note(NAME, "%s: %s%s", r->name, kinds[r->kind], line.text);
 }
-
-/* ---- reading ---- */
 
 /* Adds the run unless it has no specimen. */
 static int take_one(const characterize_options *o, const char *file, const palp_experiment *experiment,

@@ -131,8 +131,6 @@ int characterize_group(const characterize_options *options, characterize_state *
     return code || s->n_specimens == 1 ? code : pool(s);
 }
 
-/* ---- one level ---- */
-
 /* Factors of the specimens' forces, by a flexible law and two arms. */
 int characterize_find_level(const characterize_options *o, characterize_state *s) {
     enum { COEFFICIENTS = 3, ARMS = 2 };
@@ -160,8 +158,6 @@ void characterize_level(characterize_state *s, bool on) {
         s->run[r].radius_m = radius;
     }
 }
-
-/* ---- the mean and the spread ---- */
 
 static void fill_points(characterize_state *s) {
     double top = characterize_strain_max(s), strain[CHARACTERIZE_BAND];
@@ -200,8 +196,6 @@ palp_status characterize_fit_specimens(characterize_state *s, const palp_charact
     memset(&s->specimens.mean, 0, sizeof s->specimens.mean);
     return PALP_OK;
 }
-
-/* ---- output ---- */
 
 /* Index of parameter i of the model (coefficients, K_j, b_j) among the estimates, which include tau_j. */
 static size_t estimate_of(const palp_lumped_fit *fit, size_t i) {

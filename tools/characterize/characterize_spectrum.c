@@ -38,8 +38,6 @@ int characterize_measure_spectra(characterize_state *s) {
     return CLI_OK;
 }
 
-/* ---- text ---- */
-
 void characterize_print_spectrum(const characterize_state *s) {
     if (characterize_spectrum_points(s) == 0)
         return;
@@ -56,8 +54,6 @@ void characterize_print_spectrum(const characterize_state *s) {
         }
     }
 }
-
-/* ---- JSON ---- */
 
 static json_t *point_json(const characterize_state *s, size_t run, const palp_spectrum_point *p) {
     const palp_recording *r = &s->run[run];
@@ -85,8 +81,6 @@ json_t *characterize_spectrum_json(const characterize_state *s) {
     return list;
 }
 
-/* ---- frequencies of the model's curve ---- */
-
 /* Range of the model's curve: from the longest run or the lowest driven frequency to twice the highest.
  * Without oscillation it ends at the rate of the fastest ramp. */
 static void range_of(const characterize_state *s, double *low, double *high) {
@@ -106,8 +100,6 @@ static void range_of(const characterize_state *s, double *low, double *high) {
     }
     *high = fmax(*high, *low);
 }
-
-/* ---- the file ---- */
 
 static void write_name(FILE *to, const char *name) {
     bool plain = !strpbrk(name, ",\"\n");

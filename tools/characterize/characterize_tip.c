@@ -9,8 +9,6 @@
 static const char NAME[] = "characterize";
 static const double RADIAN = 3.14159265358979323846 / 180.0;
 
-/* ---- reading ---- */
-
 /* The option, else the value in the file; 0 = neither. */
 static double number_of(double option, const palp_experiment *run, const char *key) {
     double value = 0;
@@ -60,8 +58,6 @@ int characterize_tip_read(const characterize_options *o, const palp_experiment *
     return what ? cli_failure(NAME, "%s: a %s tip needs %s", run->name, palp_tip_name(tip->tip), what)
                 : CLI_OK;
 }
-
-/* ---- the fit ---- */
 
 /* Depth to which linear elasticity is within some 2 % (data/tips); zero under a sharp cone. */
 static bool too_deep(const palp_indentation *tip, double depth_m) {
@@ -201,8 +197,6 @@ int characterize_tip_fit(const characterize_options *o, characterize_state *s) {
     judge(o, s);
     return CLI_OK;
 }
-
-/* ---- telling ---- */
 
 static void print_modulus(const char *name, const palp_modulus *m) {
     double scale = m->value >= 1e6   ? 1e-6

@@ -116,8 +116,6 @@ static int print_table(const firmware_options *o, json_t *rows) {
     return CLI_OK;
 }
 
-/* ---- failing ---- */
-
 /* Exit code 4 and the fault's name where a fault is latched. */
 static int device_failure(device *d, device_result result) {
     bool faulted = result == DEVICE_REFUSED &&
@@ -131,8 +129,6 @@ static int say_fault(const palp_wire_status *s) {
                 palp_wire_fault_name(s->fault), palp_wire_fault_text(s->fault));
     return CLI_DEVICE_FAULT;
 }
-
-/* ---- actions ---- */
 
 static int run_info(const firmware_options *o, device *d) {
     const palp_wire_info *i = &d->info;

@@ -20,8 +20,6 @@ extern char **environ;
 
 enum { FLASH = 0x08000000, FLASH_MOST = 65536, RAM = 0x20000000, RAM_MOST = 0x20000, VECTORS = 8, KIND = 17 };
 
-/* ---- the image ---- */
-
 /* The first bytes of an image, or of what is in a board. */
 typedef struct beginning {
     size_t n;
@@ -91,8 +89,6 @@ static int find_image(const char *name, const char *board, char path[RIG_PATH]) 
     return CLI_OK;
 }
 
-/* ---- the program ---- */
-
 /* Its exit code; what it says goes to standard error. -1: it did not start, errno says why. */
 static int run(const char **argv) {
     posix_spawn_file_actions_t files;
@@ -122,8 +118,6 @@ static int run_tool(const char *name, const char **argv, bool usb) {
         return cli_failure(name, "%s failed (exit code %d): %s", argv[0], code, hint);
     return CLI_OK;
 }
-
-/* ---- the board ---- */
 
 static int read_board(const char *name, const char *port, bool usb, const char *path) {
     const char *over_serial[] = {"stm32flash",      "-b", "115200", "-r", path, "-S",

@@ -34,8 +34,6 @@ typedef struct self_test {
     bool all_good;
 } self_test;
 
-/* ---- what comes ---- */
-
 static void take(self_test *t, const palp_wire_samples *b, size_t i) {
     figures *f = &t->now;
     const int16_t *adc = &b->adc[i * PALP_WIRE_CHANNELS];
@@ -65,8 +63,6 @@ static void hear(const palp_wire_message *m, unsigned lost_frames, void *context
 static void begin(self_test *t) {
     t->now = (figures){.n = 0};
 }
-
-/* ---- verdicts ---- */
 
 static void judge(self_test *t, const char *what, double value, const char *unit, bool good,
                   const char *advice) {
@@ -120,8 +116,6 @@ static void judge_line(self_test *t) {
     judge(t, "missed ticks", s->missed_ticks, "", s->missed_ticks == 0,
           "the processor does too much: see tick_cost of status");
 }
-
-/* ---- doing it ---- */
 
 static bool moves(const self_test *t) {
     const uint8_t s = t->device->status.state;

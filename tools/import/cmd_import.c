@@ -204,8 +204,6 @@ static int write_all(const import_options *o, const import_sources *all) {
     return code || written ? code : cli_failure(NAME, "the files named have nothing to import");
 }
 
-/* ---- folders ---- */
-
 typedef struct names {
     size_t n, capacity;
     char **name; /* [n] owned */

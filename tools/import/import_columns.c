@@ -19,8 +19,6 @@ static double at(const import_source *s, size_t i, size_t column) {
     return s->value[i * s->n_columns + column];
 }
 
-/* ---- --map and --units ---- */
-
 /* The value after "role=" in a list such as time=1,depth=2; empty if it is not there. */
 static void listed(const char *list, int role, char value[IMPORT_WORD]) {
     size_t n = strlen(roles[role]);
@@ -70,8 +68,6 @@ static int find_named(import_source *s, int role, const char *wanted) {
                        "%s: no column \"%s\" for --map %s; give a name (without commas) or number of %s",
                        s->file, wanted, roles[role], columns);
 }
-
-/* ---- which column is what ---- */
 
 typedef struct column_look {
     bool any, changes, falls; /* numbers, from the first, anywhere */

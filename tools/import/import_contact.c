@@ -42,8 +42,6 @@ static int look(const import_source *s, palp_press *press) {
     return CLI_OK;
 }
 
-/* ---- signs ---- */
-
 /* Whether --negate, whose words were checked, names a quantity. */
 static bool negated(const import_options *o, const char *quantity) {
     return o->negate && strstr(o->negate, quantity);
@@ -89,8 +87,6 @@ int import_signs(const import_options *o, import_source *s) {
     apply_signs(s);
     return CLI_OK;
 }
-
-/* ---- contact and zero force ---- */
 
 static void use_air(const palp_air *air, import_source *s) {
     s->contact_mm = air->contact_depth;
@@ -149,8 +145,6 @@ static void use_approach(const import_source *a, import_source *s) {
     s->contact_sd_mm = a->contact_sd_mm;
     s->zero_N -= a->preload_N;
 }
-
-/* ---- which rule ---- */
 
 static import_contact automatic(const import_source *s, const palp_press *press, const palp_air *air) {
     size_t rest = palp_press_rest(press);

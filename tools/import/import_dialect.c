@@ -10,8 +10,6 @@ static bool digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-/* ---- fields ---- */
-
 static char *trim(char *field) {
     field += strspn(field, " \t");
     size_t n = strlen(field);
@@ -51,8 +49,6 @@ size_t import_split(char *line, char separator, char *fields[IMPORT_COLUMNS]) {
     }
     return filled;
 }
-
-/* ---- numbers ---- */
 
 /* Copies the number at the start of a field with a decimal point and without grouping; returns its length in
  * the field, 0 = none. */
@@ -109,8 +105,6 @@ bool import_number(const char *field, const import_dialect *d, double *value) {
     rest += strspn(rest, " ");
     return !*rest || import_unit_any(rest);
 }
-
-/* ---- clocks ---- */
 
 /* Two or more whole numbers with the same separator; returns their length. */
 static size_t read_parts(const char *text, char sign, double part[3], size_t *parts) {

@@ -20,8 +20,6 @@ static size_t used_for(const import_source *s, int quantity) {
     return s->used[s->role[quantity]];
 }
 
-/* ---- tables that go on ---- */
-
 static double range_of(const import_source *s, size_t column) {
     double low = HUGE_VAL, high = -HUGE_VAL;
     for (size_t i = 0; i < s->rows; i++) {
@@ -92,8 +90,6 @@ int import_join(const import_options *o, import_sources *all, size_t first) {
     number_names(all, first);
     return CLI_OK;
 }
-
-/* ---- rows that are none ---- */
 
 static int refuse_bad(const import_source *s, size_t i) {
     for (int q = 0; q < QUANTITIES; q++) {
@@ -166,8 +162,6 @@ static int sift(const import_options *o, import_source *s) {
     s->rows = kept;
     return CLI_OK;
 }
-
-/* ---- the recording ---- */
 
 bool import_is_stretch(const import_source *s) {
     return s->role[DEPTH] == STRAIN && (strcmp(s->unit[STRAIN]->name, "stretch") == 0 ||

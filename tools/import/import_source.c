@@ -8,8 +8,6 @@
 
 static const char NAME[] = "import";
 
-/* ---- the list ---- */
-
 void *import_grow(void *list, size_t n, size_t *capacity, size_t size) {
     if (n < *capacity)
         return list;
@@ -54,8 +52,6 @@ void import_free(import_sources *all) {
     free(all->source);
     memset(all, 0, sizeof *all);
 }
-
-/* ---- settings ---- */
 
 void import_copy_word(char to[IMPORT_WORD], const char *from, size_t n) {
     while (n > 0 && isspace((unsigned char)*from)) {
@@ -105,8 +101,6 @@ double import_setting_number(const import_source *s, const char *key) {
     double value;
     return text && import_number_unit(text, &s->dialect, &value, &rest) ? value : 0;
 }
-
-/* ---- the table ---- */
 
 void import_set_names(import_source *s, char *const *fields, size_t n) {
     s->n_columns = n;

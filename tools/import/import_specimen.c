@@ -10,8 +10,6 @@
 static const char NAME[] = "import";
 static const double PI = 3.14159265358979323846;
 
-/* ---- sizes ---- */
-
 /* A setting in mm, mm2, N/m, Hz ...: by the unit after the number, else in the key, else this default. */
 static bool setting_value(const import_source *s, size_t i, import_dimension dimension, double *value) {
     const import_dialect *d = &s->dialect,
@@ -130,8 +128,6 @@ int import_specimen_check(const import_options *o, const import_source *s) {
             s->file, deepest_mm, s->height_mm);
     return CLI_OK;
 }
-
-/* ---- the session ---- */
 
 /* Start by the time at which the file was closed, for files without a time stamp. */
 static double file_time(const import_source *s) {

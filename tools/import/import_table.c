@@ -26,8 +26,6 @@ static bool is_row(const table_scanner *c, size_t line, size_t *width) {
     return numbers >= 2 && 2 * numbers > filled;
 }
 
-/* ---- blocks ---- */
-
 /* Whether the lines within a table that are not rows are a new header, or only faults. */
 static bool header_between(const table_scanner *c, size_t from, size_t to) {
     char *fields[IMPORT_COLUMNS];
@@ -84,8 +82,6 @@ static const table_block *main_block(const table_scanner *c) {
     }
     return best;
 }
-
-/* ---- settings ---- */
 
 /* "key;24,0;mm", "key: value; key: value", "key = value" or "key 24 mm". */
 static void add_line(const table_scanner *c, size_t line, import_source *s) {
@@ -152,8 +148,6 @@ static void add_all_settings(const table_scanner *c, const table_block *own, con
             add_side_table(c, b, each ? group : 0, s);
     }
 }
-
-/* ---- sources ---- */
 
 static bool same_names(const import_source *a, const import_source *b) {
     bool same = a->n_columns == b->n_columns;

@@ -200,8 +200,6 @@ static int decode(import_text *text, size_t size) {
     return CLI_OK;
 }
 
-/* ---- lines ---- */
-
 static int index_lines(import_text *text, char *at) {
     size_t capacity = 0;
     while (*at) {

@@ -144,8 +144,6 @@ const import_unit *import_unit_of_name(const char *name) {
     return found;
 }
 
-/* ---- what a name says ---- */
-
 /* Words are between bars. A word stands for itself in a longer one, but "=t" is all of a word. The rank says
  * how surely a name with one of them is the one. */
 static const struct ranked {
@@ -261,8 +259,6 @@ bool import_names_gap(const char *name) {
     import_plain(name, true, plain, sizeof plain);
     return has_any(plain, "gap|spalt|entrefer|currentsize|current size|size_");
 }
-
-/* ---- the specimen and the instrument ---- */
 
 /* clang-format off */
 static const struct ranked parts[] = {

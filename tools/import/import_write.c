@@ -103,8 +103,6 @@ static palp_status set_settings(const import_source *s, palp_experiment *run) {
     return PALP_OK;
 }
 
-/* ---- columns ---- */
-
 static bool whole(const import_source *s, size_t j) {
     for (size_t i = 0; i < s->rows; i++)
         if (!isfinite(s->value[i * s->n_columns + j]))

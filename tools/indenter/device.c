@@ -28,8 +28,6 @@ typedef struct pending {
     uint8_t result;
 } pending;
 
-/* ---- what arrives ---- */
-
 static unsigned count_losses(device *d, const palp_wire_message *m) {
     unsigned gap = (uint16_t)(m->sequence - d->device_sequence - 1);
     if (!d->heard || gap >= 0x8000) { /* this is the first frame, or the device has restarted */
@@ -128,8 +126,6 @@ static device_result pump(device *d, double timeout_s, pending *p) {
             take(d, &m, p);
     return result;
 }
-
-/* ---- what is sent ---- */
 
 /* A zero goes first: it ends whatever noise on the line looked like the beginning of a frame. */
 static device_result send_frame(device *d, const palp_wire_message *m) {
@@ -238,8 +234,6 @@ device_result device_status(device *d) {
     device_result result = device_poll(d, STATUS_WAIT_MS);
     return result == DEVICE_CLOSED ? result : device_do(d, PALP_WIRE_TYPE_GET_STATUS, &got);
 }
-
-/* ---- opening ---- */
 
 static void say_no_answer(device *d, const char *where) {
     if (d->heard)

@@ -223,8 +223,6 @@ void link_close(link_t *l) {
     free(l);
 }
 
-/* ---- reading and writing ---- */
-
 static ssize_t read_some(link_t *l, void *buffer, size_t size) {
     return l->port ? link_serial_read(l->port, buffer, size) : read(l->fd, buffer, size);
 }

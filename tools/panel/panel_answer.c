@@ -12,8 +12,6 @@
 
 enum { OK = 200, BAD = 400, NOT_FOUND = 404, BUSY = 409, FAILED_HERE = 500 };
 
-/* ---- replies ---- */
-
 static panel_reply json_reply(unsigned code, json_t *value) {
     panel_reply r = {.code = code, .type = "application/json"};
     r.text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
@@ -184,8 +182,6 @@ static panel_reply post_start(panel *p, const panel_request *q) {
         unlink(c.file);
     return r;
 }
-
-/* ---- orders ---- */
 
 static panel_reply post_do(panel *p, const panel_request *q) {
     static const struct {

@@ -47,8 +47,6 @@ typedef struct arriving {
     char body[BODY_MAX + 1];
 } arriving;
 
-/* ---- who may ask ---- */
-
 /* Takes the same time for every wrong token, so that a guess learns nothing from it. */
 static bool is_token(const panel *p, const char *text) {
     unsigned different = 0;
@@ -88,8 +86,6 @@ static bool is_allowed(const panel *p, struct MHD_Connection *c) {
            is_same_origin(MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Origin"), host) &&
            is_token(p, token);
 }
-
-/* ---- who is connected ---- */
 
 static void close_oldest_unknown(panel_server *s) {
     visitor *oldest = NULL;
@@ -145,8 +141,6 @@ static bool admit(panel_server *s, struct MHD_Connection *c, bool emergency) {
         MHD_set_connection_option(c, MHD_CONNECTION_OPTION_TIMEOUT, (unsigned)KNOWN_IDLE_S);
     return admitted;
 }
-
-/* ---- answering ---- */
 
 /* last: the connection ends with it. */
 static enum MHD_Result send_reply(struct MHD_Connection *c, const panel_reply *reply, bool last) {
@@ -233,8 +227,6 @@ static void forget(void *context, struct MHD_Connection *c, void **own,
     free(*own);
     *own = NULL;
 }
-
-/* ---- opening ---- */
 
 static bool make_token(char token[PANEL_TOKEN]) {
     unsigned char byte[(PANEL_TOKEN - 1) / 2];

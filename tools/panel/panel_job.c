@@ -9,8 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- what is run ---- */
-
 typedef struct line {
     const char *argv[PANEL_JOB_RUNS + 24];
     size_t n;
@@ -94,8 +92,6 @@ static void report_line(line *l, const panel *p) {
     word(l, "--out");
     file(l, p, "fits/", "report.html", ".html");
 }
-
-/* ---- running ---- */
 
 static bool is_cancelled(panel *p) {
     pthread_mutex_lock(&p->lock);

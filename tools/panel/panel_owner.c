@@ -20,8 +20,6 @@ typedef struct owner {
     bool faulted, gone;    /* and whether it was */
 } owner;
 
-/* ---- what is seen ---- */
-
 static panel_view view_of(const owner *o) {
     const session *s = o->session;
     const acquire_file *f = &s->file;
@@ -94,8 +92,6 @@ static bool stops(const session *s, void *context) {
     return panel_is_to_stop(o->panel);
 }
 
-/* ---- what is asked for ---- */
-
 static outcome configure(owner *o) {
     outcome end = o->configured ? GOES_ON : session_configure(o->session);
     end = end || o->configured ? end : session_read_scale(o->session);
@@ -162,8 +158,6 @@ static outcome clear(owner *o) {
     device_do(&s->device, PALP_WIRE_TYPE_GET_STATUS, &got);
     return configure(o);
 }
-
-/* ---- runs ---- */
 
 /* A number makes the name new: nothing is overwritten. */
 static void rename_run(const acquire_options *options, acquire_run *r) {
@@ -232,8 +226,6 @@ static outcome execute(owner *o, const panel_command *c) {
     }
     return GOES_ON;
 }
-
-/* ---- how it went ---- */
 
 /* A fault between commands is reported once. */
 static void conclude(owner *o, outcome end, bool asked) {

@@ -19,8 +19,6 @@ bool panel_file(const panel *p, const char *folder, const char *name, const char
     return length > 0 && length < CLI_PATH_MAX;
 }
 
-/* ---- the list ---- */
-
 /* The header alone: "# key: value" lines at its beginning. */
 static json_t *read_header(const char *path) {
     char line[4096];
@@ -103,8 +101,6 @@ json_t *panel_runs(const panel *p) {
     free(run);
     return json_pack("{so}", "runs", list);
 }
-
-/* ---- a curve ---- */
 
 static void add(json_t *list[3], double *const column[3], size_t i) {
     for (size_t k = 0; k < 3; k++)

@@ -10,8 +10,6 @@
 
 enum { HALT_TRIES = 60, HALT_WAIT_MS = 50 };
 
-/* ---- commands ---- */
-
 bool panel_ask(panel *p, const panel_command *command) {
     pthread_mutex_lock(&p->lock);
     bool free = !p->waiting && !p->busy;
@@ -56,8 +54,6 @@ bool panel_is_to_stop(panel *p) {
     return stop;
 }
 
-/* ---- emergency ---- */
-
 static bool has_stopped(panel *p) {
     pthread_mutex_lock(&p->lock);
     bool stopped = p->view.state == PALP_WIRE_STATE_FAULT;
@@ -78,8 +74,6 @@ bool panel_emergency(panel *p) {
     }
     return stopped;
 }
-
-/* ---- what is seen ---- */
 
 void panel_say(panel *p, bool bad, const char *format, ...) {
     va_list arguments;

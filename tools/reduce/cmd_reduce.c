@@ -86,8 +86,6 @@ static int parse(int argc, char **argv, reduce_options *o) {
     return code;
 }
 
-/* ---- the runs ---- */
-
 static int add_run(reduction *r, const char *file) {
     if (r->n == REDUCE_RUNS_MAX)
         return cli_usage_error(NAME, "at most %d runs", (int)REDUCE_RUNS_MAX);
@@ -144,8 +142,6 @@ static int check_depths(const reduction *r) {
     }
     return CLI_OK;
 }
-
-/* ---- snapshots of the network ---- */
 
 static palp_status make_network(const reduction *r, palp_network **net, palp_error *error) {
     palp_network_settings settings = palp_network_settings_default();
@@ -235,8 +231,6 @@ static int reduce(reduction *r) {
             r->run[i].error = held[k++];
     return CLI_OK;
 }
-
-/* ---- the answer ---- */
 
 static json_t *error_json(const reduction *r) {
     json_t *list = json_array();

@@ -8,8 +8,6 @@
 
 static const char NAME[] = "report";
 
-/* ---- simulations beside recordings ---- */
-
 /* The recording of a simulation: by its key protocol.like, or of the same kind and depth. */
 static const report_file *partner(const report *r, const report_file *simulation) {
     const palp_recording *s = &simulation->recording;
@@ -99,8 +97,6 @@ int report_pairs(report *r) {
     }
     return CLI_OK;
 }
-
-/* ---- curves ---- */
 
 /* Draws recordings: the static ones, or the others. */
 static size_t collect(const report *r, bool is_static, run_curve *curve) {

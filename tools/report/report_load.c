@@ -36,8 +36,6 @@ static int checksum(report_file *file) {
     return CLI_OK;
 }
 
-/* ---- what a file is ---- */
-
 static void load_run(report_file *file) {
     palp_error error = {PALP_OK, ""};
     const palp_recording_settings settings = palp_recording_settings_default();
@@ -159,8 +157,6 @@ static int add_file(report *r, const char *path, bool must_read) {
     palp_text_make_plain(file->path); /* from here on the name is only shown and compared */
     return say_note(file, must_read);
 }
-
-/* ---- folders ---- */
 
 static int wanted(const struct dirent *entry) {
     return entry->d_name[0] != '.' && (ends(entry->d_name, ".csv") || ends(entry->d_name, ".json"));

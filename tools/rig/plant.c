@@ -28,8 +28,6 @@ struct plant {
     uint32_t tick, faults; /* bits 1 << plant_fault */
 };
 
-/* ---- made and freed ---- */
-
 plant_settings plant_settings_default(void) {
     return (plant_settings){.actuator = plant_actuator_default(),
                             .sensor = {.noise_N = 2e-3, .gain = 1, .seed = 1},
@@ -69,8 +67,6 @@ void plant_free(plant *p) {
     }
 }
 
-/* ---- faults ---- */
-
 static bool has(const plant *p, plant_fault fault) {
     return (p->faults & (1u << fault)) != 0;
 }
@@ -109,8 +105,6 @@ void plant_lift(plant *p, plant_fault fault) {
 void plant_put(plant *p, double force_N) {
     p->put_N = force_N;
 }
-
-/* ---- a tick ---- */
 
 static double reach(const plant *p) {
     return p->plate_m - p->settings.contact_m;

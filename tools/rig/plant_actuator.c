@@ -27,8 +27,6 @@ plant_actuator plant_actuator_default(void) {
                             .ambient_C = 23};
 }
 
-/* ---- file ---- */
-
 typedef enum key_sign { POSITIVE, NOT_NEGATIVE, ANY_SIGN } key_sign;
 
 /* X(key in the file, member, units of the file in an SI unit, sign) */
@@ -138,8 +136,6 @@ palp_status plant_actuator_read(const char *path, plant_actuator *actuator, palp
         *actuator = read;
     return status;
 }
-
-/* ---- motion ---- */
 
 drive drive_start(const plant_actuator *a) {
     return (drive){.carriage_m = a->start_m, .winding_C = a->ambient_C, .case_C = a->ambient_C};

@@ -39,8 +39,6 @@ rig_settings rig_settings_default(void) {
     return (rig_settings){.plant = plant_settings_default(), .port = "pty", .patience_s = 15};
 }
 
-/* ---- time ---- */
-
 static int64_t now_ns(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -56,8 +54,6 @@ static void pace(loop *l) {
     l->figures.late += late_ns > TICK_NS;
     l->figures.worst_s = fmax(l->figures.worst_s, 1e-9 * (double)late_ns);
 }
-
-/* ---- the log ---- */
 
 static int open_log(loop *l) {
     const char *path = l->settings->log;
@@ -86,8 +82,6 @@ static int close_log(loop *l, int code) {
     int closed = l->log.stream ? cli_file_close(l->name, &l->log) : CLI_OK;
     return code ? code : closed;
 }
-
-/* ---- one record each way ---- */
 
 static int firmware_ended(loop *l) {
     return cli_failure(l->name, "the firmware has ended%s%s", l->process.last[0] ? ": " : "",
@@ -171,8 +165,6 @@ static int advance(loop *l, const plant_out *out) {
     l->in.events |= all ? 0 : PLANT_EVENT_STALL_TX;
     return CLI_OK;
 }
-
-/* ---- a run ---- */
 
 /* Bytes for the host that were still in the firmware at the end. */
 static int take_rest(loop *l) {

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- script ---- */
-
 static int bad_line(const char *name, const rig_feed *f, const char *why) {
     return cli_failure(name, "%s:%zu: %s", f->settings->script, f->n_lines + 1, why);
 }
@@ -172,8 +170,6 @@ static void feed_events(rig_feed *f, const plant *p, plant_in *in) {
         f->done |= once ? 1u << i : 0;
     }
 }
-
-/* ---- the record ---- */
 
 static void put(plant_in *in, uint8_t byte) {
     in->rx[in->rx_count++] = byte;

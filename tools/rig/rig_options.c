@@ -102,8 +102,6 @@ const char *rig_options_given(const rig_options *o) {
     return NULL;
 }
 
-/* ---- faults ---- */
-
 static int fault_number(const char *name, size_t length) {
     for (int i = 1; i < PALP_WIRE_FAULT_COUNT; i++) {
         const char *known = palp_wire_fault_name((uint8_t)i);
@@ -154,8 +152,6 @@ static int read_injections(const char *name, const char *text, rig_settings *s) 
     }
     return CLI_OK;
 }
-
-/* ---- settings ---- */
 
 static void set(double *to, double value, double unit) {
     if (!isnan(value))

@@ -17,8 +17,6 @@
 
 enum { PATIENCE_MS = 10000 };
 
-/* ---- opening ---- */
-
 /* After the other end was opened and closed once, it reads as hung up until somebody opens it. */
 static int open_pty(char *name, size_t size) {
     struct termios raw;
@@ -88,8 +86,6 @@ int rig_port_close(rig_port *port) {
     port->listener = port->connection = -1;
     return code;
 }
-
-/* ---- bytes ---- */
 
 static void hang_up(rig_port *port) {
     if (port->kind != RIG_PORT_PTY) { /* which stays open for the next one */

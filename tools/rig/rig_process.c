@@ -21,8 +21,6 @@
 enum { PARTING_MS = 1000, ARGUMENTS = 32, FOLDER_MOST = 80 };
 static const char QEMU[] = "qemu-system-arm", QEMU_IMAGE[] = "rig.elf", HOST_IMAGE[] = "indenter_host";
 
-/* ---- found ---- */
-
 /* folder/file, or folder/inner/file; false if it is not there. */
 static bool look_in(const char *folder, const char *inner, const char *file, char path[RIG_PATH]) {
     int n = snprintf(path, RIG_PATH, "%s/%s%s", folder, inner, file);
@@ -83,8 +81,6 @@ bool rig_find(rig_settings *settings, char note[RIG_NOTE]) {
     }
     return realpath(found, settings->image) != NULL;
 }
-
-/* ---- started ---- */
 
 /* Makes a folder for the FIFOs. */
 static bool make_folder(char folder[RIG_PATH]) {
@@ -180,8 +176,6 @@ int rig_process_start(const char *name, const rig_settings *settings, rig_proces
     return p->pid > 0 ? CLI_OK : start_failed(name, "fork");
 }
 
-/* ---- listened to ---- */
-
 static void take_line(rig_process *p) {
     p->line[p->n] = '\0';
     if (p->n > 0)
@@ -204,8 +198,6 @@ bool rig_process_listen(rig_process *p) {
         take_line(p);
     return n < 0 && (errno == EAGAIN || errno == EINTR);
 }
-
-/* ---- ended ---- */
 
 static double now_s(void) {
     struct timespec t;

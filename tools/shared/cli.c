@@ -12,8 +12,6 @@ enum { OPTIONS_MAX = 96, FIRST_CODE = 256, HELP_COLUMN = 26 };
 
 static const char STDIN[] = "/dev/stdin"; /* what "-" stands for */
 
-/* ---- numbers and lists ---- */
-
 bool cli_read_number(const char *text, double *value) {
     char *end;
     double number = strtod(text, &end);
@@ -47,8 +45,6 @@ bool cli_spread(const cli_list *list, double value[3]) {
         value[i] = list->value[list->n == 3 ? i : 0];
     return true;
 }
-
-/* ---- options ---- */
 
 cli_option cli_heading(const char *text) {
     return (cli_option){.type = CLI_HEADING, .name = text};
@@ -101,8 +97,6 @@ cli_option cli_counts(const char *name, const char *value, double low, double hi
                       const char *help) {
     return (cli_option){CLI_COUNTS, name, value, help, {.list = to}, low, high, NULL};
 }
-
-/* ---- one option's value ---- */
 
 static int choice_index(const char *choices, const char *text) {
     size_t length = strlen(text);
@@ -186,8 +180,6 @@ static int take(const char *name, const cli_option *o, const char *text) {
     }
     return take_number(name, o, text);
 }
-
-/* ---- the whole command line ---- */
 
 /* The --force of the command itself; NULL = none. */
 static const bool *own_force(const cli_command *command) {

@@ -153,8 +153,6 @@ int cli_outputs_check(const cli_command *command, bool force, const char *const 
     return code;
 }
 
-/* ---- writing ---- */
-
 int cli_file_open(const char *name, const char *path, palp_file *file) {
     palp_error error;
     palp_status status = palp_file_begin(file, path ? path : "/dev/stdout", &error);

@@ -42,8 +42,6 @@ json_t *run_json(const palp_recording *r) {
     return to;
 }
 
-/* ---- thinning ---- */
-
 typedef struct axis {
     bool depth, log;
     double from, to;
@@ -96,8 +94,6 @@ static size_t thin(const palp_recording *r, const double *force_N, const axis *a
     }
     return n;
 }
-
-/* ---- curves of force ---- */
 
 typedef struct curves {
     size_t n, used, drawn;
@@ -243,8 +239,6 @@ void plot_runs_depth(json_t *figures, const char *name, const char *title, size_
     draw_curves(figures, name, title, n, run, (axis){true, false, -AIR * deepest, HUGE_VAL, 0}, fit);
 }
 
-/* ---- residuals ---- */
-
 /* Means of fit minus measured over noise in bins of log time. */
 static size_t bin_means(const run_curve *run, const axis *a, double *x, double *y) {
     const palp_recording *r = run->recording;
@@ -316,8 +310,6 @@ void plot_runs_fitted(json_t *figures, size_t n, const run_curve *run) {
     plot_runs_depth(figures, "fit_depth", title, n, run, true);
     plot_residual(figures, "residuals", "Residuals of the lumped model", n, run);
 }
-
-/* ---- the filter ---- */
 
 /* Of the first stretch without a gap. */
 double run_rate_Hz(const palp_recording *r) {

@@ -86,8 +86,6 @@ static int parse(int argc, char **argv, simulate_options *o) {
                                     : code;
 }
 
-/* ---- which options go together ---- */
-
 enum { STATIC = 1, RAMP_HOLD = 2, CYCLIC = 4, CREEP = 8 };
 
 static int check_options(simulate_options *o) {
@@ -129,8 +127,6 @@ static void set_defaults(simulate_options *o) {
     o->cycles = o->cycles ? o->cycles : 3;
     o->tolerance = o->tolerance > 0 ? o->tolerance : 1e-4;
 }
-
-/* ---- the path ---- */
 
 /* The depths of a run, with times from 0. Without effects negative depth (air) becomes 0. */
 static palp_status path_like(const palp_experiment *run, bool air, palp_path *path) {
@@ -180,8 +176,6 @@ static int check_path(const simulate_options *o, const palp_path *path, double h
     return cli_usage_error(NAME, "--depth-mm %g is beyond the model's height of %g mm; press less",
                            o->depth_mm, 1e3 * height_m);
 }
-
-/* ---- the run ---- */
 
 static int override_nodes(const simulate_options *o, simulation *s) {
     double nodes[3];

@@ -16,8 +16,6 @@ double simulate_air_rate(const simulate_options *o) {
     return o->protocol == 1 ? o->depth_mm / o->ramp_s : o->rate_mm_s;
 }
 
-/* ---- even samples ---- */
-
 /* Time of sample k on the path, which starts after the air. */
 static double sample_time(const simulate_options *o, size_t k) {
     return (double)k / o->sample_Hz - o->air_s;
@@ -100,8 +98,6 @@ static palp_status pick(const simulate_options *o, const palp_path *path, record
     return status;
 }
 
-/* ---- what the sensor adds ---- */
-
 static void add_spikes(const cli_list *spikes, record *c) {
     for (size_t j = 0; j + 1 < spikes->n; j += 2) {
         size_t nearest = 0;
@@ -154,8 +150,6 @@ int simulate_sense(const simulate_options *o, simulation *s) {
     disturb(o, &s->curve);
     return s->curve.n > 0 ? CLI_OK : cli_usage_error(NAME, "--drop leaves no sample");
 }
-
-/* ---- options ---- */
 
 /* Reads pairs of numbers; of a gap the second must be larger. */
 static int pairs(const char *option, const char *text, bool rising, cli_list *list) {
