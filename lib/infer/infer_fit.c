@@ -234,20 +234,16 @@ typedef struct improvement {
     infer_fit *fit;
     const explain_data *data;
     double log_noise; /* at the start: so that a unit changes nothing */
+    bool best;        /* what was evaluated last is the best so far */
 } improvement;
 
-static palp_status evaluate(void *user, const double *x, double *h, double *g, double *chi2) {
-    improvement *i = user;
+/* At the columns at hand. */
+static palp_status take_normal(const improvement *i, double *h, double *g, double *chi2) {
     const size_t k = i->fit->k;
     infer_posterior p;
-    memcpy(i->fit->c.x, x, k * sizeof *x);
-    palp_status status = explain_fit_to_model(&i->fit->c);
-    if (!status)
-        status = infer_fit_evaluate(i->fit, i->data);
-    if (!status)
-        status = infer_posterior_find(i->fit, i->data, &p);
+    palp_status status = infer_posterior_find(i->fit, i->data, &p);
     if (status)
-        return status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
+        return status;
     memcpy(h, p.normal, k * k * sizeof *h);
     memcpy(g, p.pull, k * sizeof *g);
     *chi2 = p.here + i->fit->log_noise - i->log_noise;
@@ -256,8 +252,20 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
     return PALP_OK;
 }
 
+static palp_status evaluate(void *user, const double *x, double *h, double *g, double *chi2) {
+    improvement *i = user;
+    i->best = false;
+    memcpy(i->fit->c.x, x, i->fit->k * sizeof *x);
+    palp_status status = explain_fit_to_model(&i->fit->c);
+    if (!status)
+        status = infer_fit_evaluate(i->fit, i->data);
+    if (!status)
+        status = take_normal(i, h, g, chi2);
+    return !status || status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
+}
+
 static void keep(void *user) {
-    (void)user;
+    ((improvement *)user)->best = true;
 }
 
 palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations) {
@@ -266,9 +274,11 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
     if (!h)
         return PALP_ERR_NO_MEMORY;
     double *g = h + k * k, *x = g + k;
-    improvement i = {.fit = fit, .data = data, .log_noise = fit->log_noise};
     memcpy(x, fit->c.x, k * sizeof *x);
-    palp_status status = evaluate(&i, x, h, g, &chi2);
+    palp_status status = infer_fit_products(fit, data);
+    improvement i = {.fit = fit, .data = data, .log_noise = fit->log_noise, .best = true};
+    if (!status)
+        status = take_normal(&i, h, g, &chi2);
     for (size_t a = 0; a < k; a++)
         reach[a] = fit->c.logarithmic[a] ? 1.0 : HUGE_VAL;
     const levenberg problem = {.n = k,
@@ -279,12 +289,13 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
                                .stop_absolute = 0.02,
                                .stop_relative = 1e-7,
                                .stop_rise = 1e-3,
+                               .stop_expected = 0.02,
                                .evaluate = evaluate,
                                .keep = keep,
                                .user = &i};
     if (!status)
         status = levenberg_solve(&problem, x, h, g, &chi2);
-    if (!status)
+    if (!status && !i.best)
         status = evaluate(&i, x, h, g, &chi2);
     free(h);
     return status;

@@ -117,6 +117,7 @@ void infer_fit_free(infer_fit *fit);
 palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_products(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_score(infer_fit *fit, const explain_data *data);
+/* From the columns at hand to better parameters. */
 palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations);
 
 /* What is left of all runs, [data->n]: beside the model and what the runs have of their own; and what the

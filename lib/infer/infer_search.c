@@ -137,6 +137,8 @@ static palp_status try_drive(const infer_search *s, infer_trial *t) {
         return PALP_ERR_UNSUPPORTED;
     model.material.quasi_linear = !model.material.quasi_linear;
     palp_status status = infer_fit_create(&model, &s->data, &s->fit, &t->fit);
+    if (!status)
+        status = infer_fit_evaluate(&t->fit, &s->data);
     return status ? status : infer_fit_settle(&t->fit, &s->data, 3, false);
 }
 

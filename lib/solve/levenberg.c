@@ -84,6 +84,18 @@ static void limit_step_to_bounds(const levenberg *p, const double *x, const doub
     }
 }
 
+/* By how much chi2 falls from x to next, if it is quadratic. */
+static double expected_fall(size_t n, const double *x, const double *next, const double *h, const double *g) {
+    double fall = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double turn = 2.0 * g[i];
+        for (size_t j = 0; j < n; j++)
+            turn -= h[i * n + j] * (next[j] - x[j]);
+        fall += turn * (next[i] - x[i]);
+    }
+    return fall;
+}
+
 palp_status levenberg_solve(const levenberg *p, double *x, double *h, double *g, double *chi2) {
     size_t n = p->n;
     double damping = FIRST_DAMPING, *next_h = malloc((2 * n * n + 3 * n) * sizeof *next_h);
@@ -98,6 +110,9 @@ palp_status levenberg_solve(const levenberg *p, double *x, double *h, double *g,
         if (status)
             break;
         limit_step_to_bounds(p, x, step, next);
+        const double fall = expected_fall(n, x, next, h, g);
+        if (fall >= 0.0 && fall < p->stop_expected) /* a clipped step may promise a rise, and need damping */
+            break;
         palp_status tried = p->evaluate(p->user, next, next_h, next_g, &next_chi2);
         if (tried == PALP_ERR_NO_MEMORY) {
             status = tried;

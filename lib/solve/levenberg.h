@@ -19,8 +19,9 @@ typedef struct levenberg {
     const levenberg_walls *walls; /* NULL without constraints */
     const double *reach;          /* [n] the longest step of a coordinate */
     /* The search ends when an evaluation lowers chi2 by less than stop_absolute + stop_relative chi2, or
-     * raises it by less than stop_rise. */
-    double stop_absolute, stop_relative, stop_rise;
+     * raises it by less than stop_rise, and before one that is expected to lower it by less than
+     * stop_expected. */
+    double stop_absolute, stop_relative, stop_rise, stop_expected;
     /* h[n n], g[n] and chi2 at x[n]. ERR_NO_MEMORY ends the search; after any other error a shorter step is
      * tried. */
     palp_status (*evaluate)(void *user, const double *x, double *h, double *g, double *chi2);
