@@ -6,6 +6,8 @@
 #include <string.h>
 
 /* Fortran routines. Compilers append lengths of character arguments, which are not read. */
+void dsyrk_(const char *uplo, const char *ta, const int *n, const int *k, const double *alpha,
+            const double *a, const int *lda, const double *beta, double *c, const int *ldc);
 void dgemm_(const char *ta, const char *tb, const int *m, const int *n, const int *k, const double *alpha,
             const double *a, const int *lda, const double *b, const int *ldb, const double *beta, double *c,
             const int *ldc);
@@ -80,6 +82,15 @@ void dense_add_outer(size_t m, size_t n, size_t k, double alpha, const double *a
     const int rows = (int)m, columns = (int)n, depth = (int)k, ld_a = (int)lda, ld_b = (int)ldb,
               ld_c = (int)ldc;
     dgemm_("N", "T", &rows, &columns, &depth, &alpha, a, &ld_a, b, &ld_b, &ONE, c, &ld_c);
+}
+
+/* The triangle that dsyrk_ writes is copied to the other. */
+void dense_add_square(size_t n, size_t k, double alpha, const double *a, double *c) {
+    const int order = (int)n, depth = (int)k, ld = leading_dimension_for(n);
+    dsyrk_("L", "N", &order, &depth, &alpha, a, &ld, &ONE, c, &ld);
+    for (size_t j = 0; j < n; j++)
+        for (size_t i = 0; i < j; i++)
+            c[j * n + i] = c[i * n + j];
 }
 
 /* A lower triangle in rows is LAPACK's upper triangle by columns. */

@@ -30,6 +30,9 @@ void dense_transposed_product(size_t m, size_t n, size_t k, const double *a, con
 void dense_add_outer(size_t m, size_t n, size_t k, double alpha, const double *a, size_t lda, const double *b,
                      size_t ldb, double *c, size_t ldc);
 
+/* C[n n] += alpha A A' with A[n k]; C symmetric, given and got whole. */
+void dense_add_square(size_t n, size_t k, double alpha, const double *a, double *c);
+
 /* ---- triangles ---- */
 
 /* A = L L', lower triangle in rows, in place. False if A is not positive definite; a is then overwritten. */

@@ -203,14 +203,14 @@ palp_status infer_fit_products(infer_fit *fit, const explain_data *data) {
             const double s = slope[i] * fit->noise.depth;
             variance[i] = fit->noise.white * fit->noise.white + s * s;
         }
-        for (size_t a = 0; a < n_active; a++)
-            for (size_t i = 0; i < run->n; i++)
+        for (size_t i = 0; i < run->n; i++)
+            for (size_t a = 0; a < n_active; a++)
                 block[i * n_active + a] = raw[list[a] * run->n + i];
         const double log_det =
             infer_whiten(&fit->noise, run->n, run->time, variance, run->use, n_active, block, work);
         fit->log_noise += run->held_out ? 0.0 : log_det;
         memset(small, 0, n_active * n_active * sizeof *small);
-        dense_add_outer(n_active, n_active, run->n, 1.0, block, n_active, block, n_active, small, n_active);
+        dense_add_square(n_active, run->n, 1.0, block, small);
         for (size_t a = 0; a < n_active; a++)
             for (size_t b = 0; b < n_active; b++)
                 product[list[a] * m + list[b]] = small[a * n_active + b];

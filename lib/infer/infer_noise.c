@@ -58,23 +58,26 @@ static double gains(const infer_noise *noise, size_t n, const double *time, cons
     return log_det;
 }
 
+/* One sample of all columns, y[count], and the states [INFER_SLOW count] after it; at: its decays, gains, sd.
+ */
+static void whiten_sample(const double *at, size_t count, double *state, double *y) {
+    const double *gain = at + INFER_SLOW, sd = gain[INFER_SLOW], weight = sd > 0.0 ? 1.0 / sd : 0.0;
+    for (size_t k = 0; k < count; k++) {
+        double now[INFER_SLOW], left = y[k];
+        for (size_t a = 0; a < INFER_SLOW; a++)
+            left -= now[a] = state[a * count + k] * at[a];
+        for (size_t a = 0; a < INFER_SLOW; a++)
+            state[a * count + k] = now[a] + gain[a] * left;
+        y[k] = left * weight;
+    }
+}
+
 double infer_whiten(const infer_noise *noise, size_t n, const double *time, const double *variance,
                     const unsigned char *use, size_t count, double *x, double *work) {
     const double log_det = gains(noise, n, time, variance, use, work);
     double *state = work + n * (2 * INFER_SLOW + 1);
     memset(state, 0, INFER_SLOW * count * sizeof *state);
-    for (size_t i = 0; i < n; i++) {
-        const double *decay = work + i * (2 * INFER_SLOW + 1), *gain = decay + INFER_SLOW;
-        const double weight = gain[INFER_SLOW] > 0.0 ? 1.0 / gain[INFER_SLOW] : 0.0;
-        double *y = x + i * count;
-        for (size_t a = 0; a < INFER_SLOW; a++)
-            for (size_t k = 0; k < count; k++)
-                y[k] -= state[a * count + k] *= decay[a];
-        for (size_t a = 0; a < INFER_SLOW; a++)
-            for (size_t k = 0; k < count; k++)
-                state[a * count + k] += gain[a] * y[k];
-        for (size_t k = 0; k < count; k++)
-            y[k] *= weight;
-    }
+    for (size_t i = 0; i < n; i++)
+        whiten_sample(work + i * (2 * INFER_SLOW + 1), count, state, x + i * count);
     return log_det;
 }

@@ -54,7 +54,7 @@ static void own_cross(const infer_fit *fit, const double *product, size_t g, dou
     }
 }
 
-/* Adds run r's part, with its own eliminated, to a[(g + 1) (g + 1)]. */
+/* Adds run r's part, with its own eliminated, to a[(g + 1) (g + 1)]. cross: [(BLOCK + g + 1) (g + 1)] */
 static bool add_run(const infer_fit *fit, size_t r, size_t g, double *a, double *cross, infer_posterior *p) {
     const double *product = fit->product + r * fit->m * fit->m;
     double l[INFER_BLOCK * INFER_BLOCK], log_prior;
@@ -64,15 +64,15 @@ static bool add_run(const infer_fit *fit, size_t r, size_t g, double *a, double 
     dense_forward(INFER_BLOCK, l, g + 1, cross);
     p->log_det += dense_log_determinant(INFER_BLOCK, l);
     p->log_prior += log_prior;
-    for (size_t i = 0; i <= g; i++)
-        for (size_t j = 0; j <= i; j++) {
-            const size_t ci = i < g ? global_column(fit, i) : fit->m - 1,
-                         cj = j < g ? global_column(fit, j) : fit->m - 1;
-            const double sum = product[ci * fit->m + cj] -
-                               dense_dot(INFER_BLOCK, cross + i * INFER_BLOCK, cross + j * INFER_BLOCK);
-            a[i * (g + 1) + j] += sum;
-            a[j * (g + 1) + i] += i != j ? sum : 0.0;
-        }
+    for (size_t i = 0; i <= g; i++) {
+        const double *row = product + (i < g ? global_column(fit, i) : fit->m - 1) * fit->m;
+        for (size_t j = 0; j <= g; j++)
+            a[i * (g + 1) + j] += row[j < g ? global_column(fit, j) : fit->m - 1];
+    }
+    double *square = cross + INFER_BLOCK * (g + 1);
+    dense_transposed_product(g + 1, g + 1, INFER_BLOCK, cross, cross, square);
+    for (size_t i = 0; i < (g + 1) * (g + 1); i++)
+        a[i] -= square[i];
     return true;
 }
 
@@ -115,7 +115,7 @@ palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data,
     const size_t k = fit->k, g = k + INFER_HATS, e = g + 1;
     memset(p, 0, sizeof *p);
     p->g = g;
-    p->memory = calloc(g * g + g + k * k + k + e * e + k * k + INFER_BLOCK * e, sizeof *p->memory);
+    p->memory = calloc(g * g + g + k * k + k + e * e + k * k + (INFER_BLOCK + e) * e, sizeof *p->memory);
     if (!p->memory)
         return PALP_ERR_NO_MEMORY;
     p->factor = p->memory;

@@ -195,9 +195,9 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
         low[a] = log((a == 0 ? 0.01 * data->run[0].white : hidden) * unit);
         high[a] = log(data->peak * unit);
         x[a] = fmin(high[a], fmax(low[a], log(now)));
-        step[a] = 1.0;
+        step[a] = 0.5;
     }
-    nlopt_opt o = nlopt_create(NLOPT_LN_SBPLX, NOISES);
+    nlopt_opt o = nlopt_create(NLOPT_LN_BOBYQA, NOISES);
     if (!o)
         return PALP_ERR_NO_MEMORY;
     nlopt_set_lower_bounds(o, low);
