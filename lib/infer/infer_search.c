@@ -20,9 +20,12 @@ static double price(const infer_search *s) {
 }
 
 void infer_trials_free(infer_search *s) {
-    for (int i = 0; i < INFER_TRIALS; i++)
+    for (int i = 0; i < INFER_TRIALS; i++) {
         if (s->trial[i].fit.raw)
             infer_fit_free(&s->trial[i].fit);
+        if (s->trial[i].second.raw)
+            infer_fit_free(&s->trial[i].second);
+    }
     memset(s->trial, 0, sizeof s->trial);
 }
 
@@ -100,8 +103,7 @@ static palp_status try_hum(const infer_search *s, infer_trial *t) {
         return status;
     t->fit.c.hum_Hz = hertz;
     t->fit.sizes.own[INFER_SINE] = t->fit.sizes.own[INFER_COSINE] = amplitude;
-    status = infer_fit_evaluate(&t->fit, &s->data);
-    return status ? status : infer_fit_settle(&t->fit, &s->data, 2, false);
+    return infer_fit_evaluate(&t->fit, &s->data);
 }
 
 static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_trial *t) {
@@ -116,16 +118,8 @@ static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_tr
         if (!status && explain_may_recover(&s->data, id))
             status = enter(s, &starts.effect[i], !s->fit.c.renewed, best);
     }
-    for (int i = 0; i < 2; i++) {
-        if (!best[i].raw)
-            continue;
-        palp_status settled = status ? status : infer_fit_settle(&best[i], &s->data, 2, false);
-        if (settled) {
-            infer_fit_free(&best[i]);
-            status = settled == PALP_ERR_NO_MEMORY ? settled : status;
-        } else
-            take_better(&best[i], &t->fit);
-    }
+    t->fit = best[0];
+    t->second = best[1];
     return status;
 }
 
@@ -137,9 +131,26 @@ static palp_status try_drive(const infer_search *s, infer_trial *t) {
         return PALP_ERR_UNSUPPORTED;
     model.material.quasi_linear = !model.material.quasi_linear;
     palp_status status = infer_fit_create(&model, &s->data, &s->fit, &t->fit);
-    if (!status)
-        status = infer_fit_evaluate(&t->fit, &s->data);
-    return status ? status : infer_fit_settle(&t->fit, &s->data, 3, false);
+    return status ? status : infer_fit_evaluate(&t->fit, &s->data);
+}
+
+/* A few steps towards its best parameters, which tell how far it may come; freed where there are none. */
+static palp_status approach(const infer_search *s, infer_fit *fit) {
+    enum { EVALUATIONS = 3 };
+    palp_status status = fit->raw ? infer_fit_improve(fit, &s->data, EVALUATIONS) : PALP_OK;
+    if (status)
+        infer_fit_free(fit);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* What a trial gains by the better of its fits, which becomes its first. */
+static void rank(const infer_search *s, infer_trial *t) {
+    if (t->second.raw && (!t->fit.raw || t->second.score > t->fit.score)) {
+        const infer_fit better = t->second;
+        t->second = t->fit;
+        t->fit = better;
+    }
+    t->gain = t->fit.raw ? t->fit.score - s->fit.score - price(s) : -HUGE_VAL;
 }
 
 static void try_task(void *user, size_t i) {
@@ -158,8 +169,36 @@ static void try_task(void *user, size_t i) {
                                                                   : try_effect(s, (palp_effect_id)i, t);
     if (status && t->fit.raw)
         infer_fit_free(&t->fit);
+    if (status && t->second.raw)
+        infer_fit_free(&t->second);
+    if (!status)
+        status = approach(s, &t->fit);
+    if (!status)
+        status = approach(s, &t->second);
     t->status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-    t->gain = t->fit.raw ? t->fit.score - s->fit.score - price(s) : -HUGE_VAL;
+    rank(s, t);
+}
+
+/* Settles one of a trial's fits if it is among those that promise most; a second one that is not goes. */
+static palp_status settle_one(const infer_search *s, infer_fit *fit, bool first) {
+    if (!fit->raw || (first && !(fit->score >= s->promising)))
+        return PALP_OK;
+    palp_status status =
+        fit->score >= s->promising ? infer_fit_settle(fit, &s->data, 2, false) : PALP_ERR_NOT_CONVERGED;
+    if (status)
+        infer_fit_free(fit);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+static void settle_task(void *user, size_t i) {
+    infer_search *s = user;
+    infer_trial *t = &s->trial[i];
+    t->status = settle_one(s, &t->fit, true);
+    if (!t->status)
+        t->status = settle_one(s, &t->second, false);
+    rank(s, t);
+    if (t->second.raw)
+        infer_fit_free(&t->second);
 }
 
 static void finish_task(void *user, size_t i) {
@@ -181,8 +220,24 @@ static void finish_task(void *user, size_t i) {
     t->gain = t->fit.score - s->fit.score - price(s);
 }
 
-/* The finalists learn the noise too. */
-enum { FINALISTS = 3 };
+/* So many fits are settled, and so many finalists learn the noise too. */
+enum { SETTLED = 8, FINALISTS = 3 };
+
+/* The score of the last of the fits that promise most. */
+static double find_promising(const infer_search *s) {
+    double least = HUGE_VAL;
+    for (int k = 0; k < SETTLED; k++) {
+        double next = -HUGE_VAL;
+        for (int i = 0; i < 2 * INFER_TRIALS; i++) {
+            const infer_trial *t = &s->trial[i / 2];
+            const infer_fit *fit = i % 2 ? &t->second : &t->fit;
+            if (fit->raw && fit->score < least)
+                next = fmax(next, fit->score);
+        }
+        least = next;
+    }
+    return least;
+}
 
 static palp_status each(infer_search *s, void (*task)(void *, size_t)) {
     palp_status status[INFER_TRIALS] = {PALP_OK};
@@ -198,6 +253,9 @@ palp_status infer_try_all(infer_search *s) {
     palp_status status = infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
     if (!status)
         status = each(s, try_task);
+    s->promising = status ? HUGE_VAL : find_promising(s);
+    if (!status)
+        status = each(s, settle_task);
     double least = HUGE_VAL;
     for (int k = 0; k < FINALISTS && !status; k++) { /* the gain of the last finalist */
         double next = -HUGE_VAL;

@@ -7,8 +7,9 @@
 /* One effect more beside a fit. */
 typedef struct infer_trial {
     bool tried;
-    infer_fit fit; /* fit.raw NULL: it could not be tried */
-    double gain;   /* in log evidence, less the logarithm of the number of candidates, nats */
+    infer_fit fit;    /* fit.raw NULL: it could not be tried */
+    infer_fit second; /* from another start, as long as either may be the better one; raw NULL: none */
+    double gain;      /* in log evidence, less the logarithm of the number of candidates, nats */
     const char *reason;
     palp_status status;
 } infer_trial;
@@ -23,7 +24,8 @@ typedef struct infer_search {
     infer_fit fit;                  /* at hand */
     double *residual, *discrepancy; /* [data.n] of it */
     infer_trial trial[INFER_TRIALS];
-    bool stopped; /* by settings.stop: some candidates were not tried */
+    double promising; /* score of a trial's fit from which on it is settled */
+    bool stopped;     /* by settings.stop: some candidates were not tried */
 } infer_search;
 
 /* Log odds above which a set of effects is preferred: that of no false alarm to one. */
