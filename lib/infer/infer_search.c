@@ -201,23 +201,28 @@ static void settle_task(void *user, size_t i) {
         infer_fit_free(&t->second);
 }
 
+/* Its noise too; stays as it was where contacts that move make it worse. */
+static palp_status settle_with_noise(const infer_search *s, size_t rounds, infer_fit *fit) {
+    infer_fit before;
+    palp_status status = infer_fit_copy(fit, &s->data, &before);
+    if (status)
+        return status;
+    status = infer_fit_settle(fit, &s->data, rounds, true);
+    if (status || fit->score < before.score) {
+        infer_fit_free(fit);
+        *fit = before;
+    } else
+        infer_fit_free(&before);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
 static void finish_task(void *user, size_t i) {
     infer_search *s = user;
     infer_trial *t = &s->trial[i];
     if (!t->fit.raw || !t->tried)
         return;
-    infer_fit before;
-    palp_status status = infer_fit_copy(&t->fit, &s->data, &before);
-    if (!status) {
-        status = infer_fit_settle(&t->fit, &s->data, 1, true);
-        if (status || t->fit.score < before.score) {
-            infer_fit_free(&t->fit);
-            t->fit = before;
-        } else
-            infer_fit_free(&before);
-    }
-    t->status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-    t->gain = t->fit.score - s->fit.score - price(s);
+    t->status = settle_with_noise(s, 1, &t->fit);
+    rank(s, t);
 }
 
 /* So many fits are settled, and so many finalists learn the noise too. */
@@ -369,7 +374,7 @@ palp_status infer_search_run(infer_search *s) {
             break;
         take(s, best);
         bool changed;
-        status = infer_fit_settle(&s->fit, &s->data, 2, true);
+        status = settle_with_noise(s, 2, &s->fit);
         if (!status)
             status = review(s, &changed);
     }
