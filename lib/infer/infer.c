@@ -150,7 +150,7 @@ static palp_status worth_of_discrepancy(const infer_search *s, double *nats) {
     if (!status)
         status = infer_fit_score(&without, &s->data);
     if (!status)
-        status = infer_noise_learn(&without, &s->data, 100);
+        status = infer_noise_learn(&without, &s->data, 100, false);
     *nats = s->fit.score - without.score;
     infer_fit_free(&without);
     return status;

@@ -103,8 +103,9 @@ void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data);
 /* So many rounds of the fixed point of restricted maximum likelihood for fit->sizes, from the products. */
 palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t rounds);
 
-/* fit->noise by NLopt at the columns at hand, with products and score. */
-palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations);
+/* fit->noise by NLopt at the columns at hand, with products and score. near: to the next maximum alone, by a
+ * quadratic model; otherwise by simplexes, which leave the plateaus where a process has no size. */
+palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool near);
 
 /* ---- the fit (infer_fit.c) ---- */
 

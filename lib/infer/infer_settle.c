@@ -16,12 +16,12 @@ static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool 
             break;
         const double most = 0.25 * data->deepest, to = fmin(most, fmax(-most, own[INFER_CONTACT]));
         const double gain = explain_bends(&fit->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0;
-        *moved =
-            *moved ||
-            fabs(to - fit->c.contact[r]) > fmax(0.05 * fit->sizes.own[INFER_CONTACT], 1e-4 * data->deepest) ||
-            fabs(gain - fit->c.gain[r]) > 1e-3;
-        fit->c.contact[r] = to;
-        fit->c.gain[r] = gain;
+        const double way = fabs(to - fit->c.contact[r]), more = fabs(gain - fit->c.gain[r]);
+        if (way > fmax(0.05 * fit->sizes.own[INFER_CONTACT], 1e-4 * data->deepest) || more > 1e-3) {
+            fit->c.contact[r] = to; /* otherwise the columns at hand stay those of where it is */
+            fit->c.gain[r] = gain;
+            *moved = true;
+        }
     }
     infer_posterior_free(&p);
     return status;
@@ -37,7 +37,7 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
         if (!status)
             status = infer_sizes_learn(fit, data, 6);
         if (!status && noise)
-            status = infer_noise_learn(fit, data, 60);
+            status = infer_noise_learn(fit, data, 60, i > 0 || rounds == 1);
         if (!status)
             status = move_contacts(fit, data, &moved);
         if (!status && moved)

@@ -185,7 +185,7 @@ static double try_noise(unsigned n, const double *x, double *gradient, void *use
     return -s->fit->score;
 }
 
-palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations) {
+palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool near) {
     noise_search s = {.fit = fit, .data = data, .best = fit->noise, .score = fit->score};
     double x[NOISES], low[NOISES], high[NOISES], step[NOISES], value;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
@@ -195,9 +195,9 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
         low[a] = log((a == 0 ? 0.01 * data->run[0].white : hidden) * unit);
         high[a] = log(data->peak * unit);
         x[a] = fmin(high[a], fmax(low[a], log(now)));
-        step[a] = 0.5;
+        step[a] = near ? 0.5 : 1.0;
     }
-    nlopt_opt o = nlopt_create(NLOPT_LN_BOBYQA, NOISES);
+    nlopt_opt o = nlopt_create(near ? NLOPT_LN_BOBYQA : NLOPT_LN_SBPLX, NOISES);
     if (!o)
         return PALP_ERR_NO_MEMORY;
     nlopt_set_lower_bounds(o, low);
