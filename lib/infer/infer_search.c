@@ -153,6 +153,13 @@ static void rank(const infer_search *s, infer_trial *t) {
     t->gain = t->fit.raw ? t->fit.score - s->fit.score - price(s) : -HUGE_VAL;
 }
 
+static bool is_stopped(const infer_search *s, infer_trial *t) {
+    const bool stop = s->settings->stop && s->settings->stop(s->settings->stop_user);
+    if (stop)
+        t->status = PALP_ERR_STOPPED;
+    return stop;
+}
+
 static void try_task(void *user, size_t i) {
     infer_search *s = user;
     infer_trial *t = &s->trial[i];
@@ -160,10 +167,8 @@ static void try_task(void *user, size_t i) {
         return;
     t->tried = true;
     t->gain = -HUGE_VAL;
-    if (s->settings->stop && s->settings->stop(s->settings->stop_user)) {
-        t->status = PALP_ERR_STOPPED;
+    if (is_stopped(s, t))
         return;
-    }
     palp_status status = i == INFER_DRIVE                         ? try_drive(s, t)
                          : effect_row_of((palp_effect_id)i)->line ? try_hum(s, t)
                                                                   : try_effect(s, (palp_effect_id)i, t);
@@ -193,7 +198,8 @@ static palp_status settle_one(const infer_search *s, infer_fit *fit, bool first)
 static void settle_task(void *user, size_t i) {
     infer_search *s = user;
     infer_trial *t = &s->trial[i];
-    t->status = settle_one(s, &t->fit, true);
+    if (!is_stopped(s, t))
+        t->status = settle_one(s, &t->fit, true);
     if (!t->status)
         t->status = settle_one(s, &t->second, false);
     rank(s, t);
@@ -219,7 +225,7 @@ static palp_status settle_with_noise(const infer_search *s, size_t rounds, infer
 static void finish_task(void *user, size_t i) {
     infer_search *s = user;
     infer_trial *t = &s->trial[i];
-    if (!t->fit.raw || !t->tried)
+    if (!t->fit.raw || !t->tried || is_stopped(s, t))
         return;
     t->status = settle_with_noise(s, 1, &t->fit);
     rank(s, t);

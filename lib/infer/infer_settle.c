@@ -37,7 +37,7 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
         if (!status)
             status = infer_sizes_learn(fit, data, 6);
         if (!status && noise)
-            status = infer_noise_learn(fit, data, 60, i > 0 || rounds == 1);
+            status = infer_noise_learn(fit, data, 60, i > 1 || rounds == 1);
         if (!status)
             status = move_contacts(fit, data, &moved);
         if (!status && moved)

@@ -183,6 +183,34 @@ START_TEST(so_many_arms_as_asked_for) {
 }
 END_TEST
 
+/* Of the calls of the search so many are let through. */
+static bool no_more(void *user) {
+    int *left = user;
+    return (*left)-- <= 0;
+}
+
+/* Stopped at once nothing is named; stopped after the first effect, that one is, and stays. */
+START_TEST(a_search_that_is_stopped_tells_what_it_found) {
+    palp_model truth = with(0), m = lumped_model(1);
+    palp_explain_settings s = palp_explain_settings_default();
+    record(&truth, 1, 1);
+    s.stop = no_more;
+    for (int found = 0; found < 2; found++) {
+        int left = found ? 3 * PALP_EFFECT_COUNT : 0;
+        palp_explanation e;
+        s.stop_user = &left;
+        ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+        ck_assert(e.stopped);
+        ck_assert_uint_eq(e.n_effects, (size_t)found);
+        ck_assert(e.gap.noise_level_N > 0 && isfinite(e.gap.after_N));
+        if (found)
+            ck_assert_int_eq(e.effect[0].effect.id, hidden[0].id);
+        palp_explanation_free(&e);
+    }
+    forget();
+}
+END_TEST
+
 START_TEST(what_it_cannot_do_is_refused) {
     palp_model m = lumped_model(1);
     palp_explanation e;
@@ -205,5 +233,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, units_change_nothing);
     tcase_add_loop_test(tc, a_solid_is_found_from_nothing, 0, 2);
     tcase_add_test(tc, so_many_arms_as_asked_for);
+    tcase_add_test(tc, a_search_that_is_stopped_tells_what_it_found);
     tcase_add_test(tc, what_it_cannot_do_is_refused);
 }
