@@ -184,12 +184,11 @@ static void try_task(void *user, size_t i) {
     rank(s, t);
 }
 
-/* Settles one of a trial's fits if it is among those that promise most; a second one that is not goes. */
-static palp_status settle_one(const infer_search *s, infer_fit *fit, bool first) {
-    if (!fit->raw || (first && !(fit->score >= s->promising)))
+/* Settles a trial's fit if it is among those that promise most; freed where it cannot be. */
+static palp_status settle_promising(const infer_search *s, infer_fit *fit) {
+    if (!fit->raw || !(fit->score >= s->promising))
         return PALP_OK;
-    palp_status status =
-        fit->score >= s->promising ? infer_fit_settle(fit, &s->data, 2, false) : PALP_ERR_NOT_CONVERGED;
+    palp_status status = infer_fit_settle(fit, &s->data, 2, false);
     if (status)
         infer_fit_free(fit);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
@@ -198,10 +197,11 @@ static palp_status settle_one(const infer_search *s, infer_fit *fit, bool first)
 static void settle_task(void *user, size_t i) {
     infer_search *s = user;
     infer_trial *t = &s->trial[i];
-    if (!is_stopped(s, t))
-        t->status = settle_one(s, &t->fit, true);
+    if (is_stopped(s, t))
+        return;
+    t->status = settle_promising(s, &t->fit);
     if (!t->status)
-        t->status = settle_one(s, &t->second, false);
+        t->status = settle_promising(s, &t->second);
     rank(s, t);
     if (t->second.raw)
         infer_fit_free(&t->second);
