@@ -39,6 +39,9 @@ expect 0 calibrate --check 7.json --subdivisions 2
 sed 's/}}$/}, "volume_modulus_Pa": 30000}/' 5.json >volume.json
 expect 0 calibrate --check volume.json --tip-radius-mm 10 --depth-mm 0.5 --json
 value out poisson | awk '{ exit !($1 > 0.3 && $1 < 0.5) }' || fail "volume energy: Poisson's ratio $(value out poisson)"
+sed 's/}}$/}, "poisson_ratio": 0.45}/' 5.json >ratio.json
+expect 0 calibrate --check ratio.json --tip-radius-mm 10 --depth-mm 0.5 --json
+near "Poisson's ratio of the model" "$(value out poisson)" 0.45 0.01
 
 # Written into the model: kept by palpate, read by simulate.
 expect 0 calibrate --check 7.json --tip-radius-mm 5 --depth-mm 0.5,1 --out checked.json --json

@@ -103,6 +103,7 @@ static int read_network(const char *file, check_state *c) {
     c->model.n_specimens = n_specimens;
     c->settings = palp_network_settings_default();
     c->settings.volume_modulus_Pa = c->model.volume_modulus_Pa;
+    c->settings.poisson_ratio = c->model.poisson_ratio;
     c->touch = palp_contact_settings_default();
     palp_mesh_bounds(c->mesh, c->low, c->high);
     c->height_m = c->high[1] - c->low[1];
