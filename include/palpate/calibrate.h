@@ -4,6 +4,7 @@
 
 #include <palpate/forward.h>
 #include <palpate/network.h>
+#include <palpate/tool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -114,6 +115,42 @@ PALP_API palp_status palp_calibrate_relaxation(palp_network *network, const palp
                                                size_t n_targets, const palp_target *targets,
                                                const palp_relaxation_settings *settings,
                                                palp_calibration *result);
+
+/* A press to meet: force_N[n] at depth_m[n] of a plate, or of a tool from where it just touches, along -y.
+ * Times increase; the network is solved at the samples, and its strain is linear in time between them. */
+typedef struct palp_press_target {
+    bool plate;     /* by the supports' plate; else by the tool, on a network that stands on its "bottom" */
+    palp_tool tool; /* its pose at depth 0 */
+    bool relaxed;   /* the network is fully relaxed at every sample */
+    size_t n;
+    const double *time_s, *depth_m, *force_N; /* [n] caller's */
+} palp_press_target;
+
+typedef struct palp_presses_settings {
+    size_t max_evaluations; /* of all presses, not counting those for derivatives */
+    double stop_relative;   /* stop when the residual changes less than this */
+    bool fit_poisson;       /* Poisson's ratio of the model, 0.25 to 0.49 */
+    bool fit_beta;          /* one strain dependence for all arms */
+    palp_contact_settings contact;
+    palp_calibrate_progress progress;
+    void *user;
+} palp_presses_settings;
+
+/* 40 evaluations, stop at 1e-4, the default contact; Poisson's ratio and beta stay as they are. */
+PALP_API palp_presses_settings palp_presses_settings_default(void);
+
+/* Fits the law (a polynomial or spline) and the arms of a network model so that its forces meet all presses at
+ * once. Each press counts by the mean square of its error over its peak force. The model's material is the
+ * first guess, up to a factor; it and the Poisson's ratio are replaced by the best found. Effects of the
+ * model are left out. mesh: the model's. result, which the caller frees, has the samples of all presses one
+ * after the other. ERR_UNSUPPORTED: another kind of law, mass, a Poisson's ratio where the network cannot
+ * have one; ERR_ARGUMENT: no press, one without force, too few samples for the law, numbers out of range;
+ * ERR_STOPPED by progress; the statuses of palp_network_create, palp_network_enable_tools and, at the first
+ * guess, of palp_network_step. */
+PALP_API palp_status palp_calibrate_presses(palp_model *model, const palp_mesh *mesh, size_t n_targets,
+                                            const palp_press_target *targets,
+                                            const palp_presses_settings *settings,
+                                            palp_calibration *result);
 
 /* The covariance of a calibrated network's parameters, [n n] in the order of palp_model.covariance. It
  * follows from lumped->covariance and the derivatives of both models' forces in the runs of the calibration.

@@ -39,6 +39,11 @@ palp_status force_curve_steps(force_curve *curve, palp_network *net, size_t n, c
 void force_curve_sample(const force_curve *curve, size_t n, const double *depth, double *force,
                         double *gradient);
 
+/* Rows row . coefficients > 0 of a law that stays positive: on a grid up to a strain, or at a spline's knots.
+ * row[LAW_ROWS columns] by rows, of which the first law->n are filled; how many. */
+enum { LAW_GRID = 48, LAW_ROWS = LAW_GRID + PALP_LAW_MAX };
+size_t law_positive_rows(const palp_law *law, double reach, size_t columns, double *row);
+
 /* The static stage: a law against a curve of force by depth. */
 typedef struct static_stage {
     palp_network *net;

@@ -68,23 +68,17 @@ static palp_status residuals(void *user, const double *p, double *r, double *jac
     return status;
 }
 
-enum { GRID = 48 };
-
-/* K(a) >= floor on a grid up to a little beyond the network's nominal strain; a spline's knots. */
-static size_t positive_rows(const static_stage *s, double *row, double *floor) {
-    const palp_law *law = &s->start->law;
+size_t law_positive_rows(const palp_law *law, double reach, size_t columns, double *row) {
     bool spline = law->kind == PALP_LAW_SPLINE;
-    size_t rows = spline ? law->n : GRID, n = law->n;
-    double reach = 1.2 * s->depth[s->n - 1] / s->net->height;
-    memset(row, 0, rows * n * sizeof *row);
+    size_t rows = spline ? law->n : LAW_GRID;
+    memset(row, 0, rows * columns * sizeof *row);
     for (size_t i = 0; i < rows; i++) {
-        double a = reach * (double)i / (GRID - 1), power = 1.0;
-        floor[i] = 0.0;
+        double a = reach * (double)i / (LAW_GRID - 1), power = 1.0;
         if (spline)
-            row[i * n + i] = 1.0;
+            row[i * columns + i] = 1.0;
         else
-            for (size_t k = 0; k < n; k++, power *= a)
-                row[i * n + k] = power;
+            for (size_t k = 0; k < law->n; k++, power *= a)
+                row[i * columns + k] = power;
     }
     return rows;
 }
@@ -107,8 +101,8 @@ static palp_status scale_start(static_stage *s, double *p) {
 
 static palp_status least_squares_fit(static_stage *s) {
     size_t n = s->start->law.n;
-    double p[PALP_LAW_MAX], norm, floor[GRID + PALP_LAW_MAX];
-    double *row = malloc((GRID + PALP_LAW_MAX) * n * sizeof *row);
+    double p[PALP_LAW_MAX], norm, floor[LAW_ROWS];
+    double *row = malloc(LAW_ROWS * n * sizeof *row);
     palp_status status = row ? scale_start(s, p) : PALP_ERR_NO_MEMORY;
     if (!status) {
         least_squares problem = {.n_parameters = n,
@@ -117,7 +111,8 @@ static palp_status least_squares_fit(static_stage *s) {
                                  .stop_relative = s->settings->stop_relative,
                                  .evaluate = residuals,
                                  .user = s,
-                                 .n_constraints = positive_rows(s, row, floor),
+                                 .n_constraints = law_positive_rows(
+                                     &s->start->law, 1.2 * s->depth[s->n - 1] / s->net->height, n, row),
                                  .constraint = row,
                                  .floor = floor};
         for (size_t i = 0; i < problem.n_constraints; i++)
