@@ -117,23 +117,25 @@ static void place_bounds(const presses *s, size_t rows, const double *own, size_
         }
 }
 
-/* First guess u[n] with the law and arms scaled by factor, units and bounds; how many of these. reach: the
- * strain up to which a law has to be positive. row is zero. */
+/* First guess u[n] with the law and arms scaled by factor, units and bounds; how many of these. Up to the
+ * strain reach a polynomial's force rises, d(K a)/da > 0, and a spline is positive: elements whose force
+ * falls snap, which costs many small steps. row is zero. */
 static size_t set_up(presses *s, double factor, double reach, double *u, double *row, double *floor) {
     const palp_law *law = &s->start.law;
     const size_t laws = law->n;
+    const bool rises = law->kind == PALP_LAW_POLYNOMIAL;
     double own[2 * RELAXATION_PARAMETERS_MAX * RELAXATION_PARAMETERS_MAX], rest, size = 1.0;
     palp_law_stiffness(law, 0.0, &rest, NULL);
     size_t rows = law_positive_rows(law, reach, s->n, row);
     for (size_t k = 0; k < laws; k++) {
         s->unit[k] = rest * factor * size;
         u[k] = law->coefficients[k] / (rest * size);
-        size /= law->kind == PALP_LAW_POLYNOMIAL ? reach : 1.0;
+        size /= rises ? reach : 1.0;
     }
     for (size_t i = 0; i < rows; i++) {
         floor[i] = 0.02;
         for (size_t k = 0; k < laws; k++)
-            row[i * s->n + k] *= s->unit[k] / s->unit[0];
+            row[i * s->n + k] *= s->unit[k] / s->unit[0] * (rises ? 1.0 + (double)k : 1.0);
     }
     relaxation_first_guess(s->n_arms, s->arm, &s->start, u + laws);
     for (size_t k = 0; k < s->n_arms; k++) {
@@ -183,6 +185,11 @@ static palp_status report(presses *s, double weighted) {
     return PALP_OK;
 }
 
+/* No press of such a material: the first guess was one. */
+static bool is_lost(palp_status status) {
+    return calibration_lost(status) || status == PALP_ERR_ARGUMENT || status == PALP_ERR_SINGULAR;
+}
+
 static palp_status add_derivatives(presses *s, const double *u, double *jacobian) {
     double next[PARAMETERS_MAX];
     for (size_t k = 0; k < s->n; k++) {
@@ -191,7 +198,7 @@ static palp_status add_derivatives(presses *s, const double *u, double *jacobian
         palp_status status = set_parameters(s, next);
         if (!status)
             status = run_presses(s, s->moved);
-        bool lost = calibration_lost(status) || status == PALP_ERR_ARGUMENT;
+        bool lost = is_lost(status);
         if (status && !lost)
             return status;
         for (size_t i = 0; i < s->n_samples; i++)
@@ -209,7 +216,7 @@ static palp_status residuals(void *user, const double *u, double *r, double *jac
     bool no_material = status != PALP_OK;
     if (!status)
         status = run_presses(s, s->force);
-    bool lost = calibration_lost(status) || no_material;
+    bool lost = is_lost(status);
     if (status && !lost)
         return status;
     for (size_t i = 0; i < s->n_samples; i++) {

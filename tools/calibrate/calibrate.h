@@ -35,7 +35,9 @@ typedef struct press_target {
     record network;   /* the calibrated network's answer */
     double *wanted_N; /* the target's force at the times of network */
     double depth_m, peak_N, max_error_percent;
-    bool measured; /* from a run, not from the lumped model */
+    bool measured;       /* from a run, not from the lumped model */
+    bool relaxed;        /* slow: the network is at rest at every sample */
+    double tip_radius_m; /* of the sphere that pressed; 0 = the plate */
 } press_target;
 
 typedef struct calibrate_state {
@@ -48,6 +50,8 @@ typedef struct calibrate_state {
     bool does_static, does_relaxation;
     size_t n_static;    /* the static target */
     bool static_lumped; /* it is the lumped model's */
+    bool tools;         /* some run is of a tool: all runs are met at once */
+    bool fits_poisson;  /* tips of different size: with their runs */
     double *depth_m, *force_N;
     size_t n_presses;
     press_target press[PRESSES_MAX];
@@ -65,13 +69,15 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s);   /* models
 int calibrate_targets(const calibrate_options *o, calibrate_state *s); /* curves to meet */
 int calibrate_static(const calibrate_options *o, calibrate_state *s);
 int calibrate_relaxation(const calibrate_options *o, calibrate_state *s);
+int calibrate_tools(const calibrate_options *o, calibrate_state *s);   /* in place of both */
 int calibrate_compare(const calibrate_options *o, calibrate_state *s); /* fills press[].network */
 int calibrate_known(const calibrate_options *o, calibrate_state *s); /* the model's covariance and between */
 int calibrate_report(const calibrate_options *o, const calibrate_state *s);
 int calibrate_check(const calibrate_options *o); /* the other thing that the command does: --check */
 json_t *calibrate_figures(const calibrate_state *s);
 
-/* First guesses. */
+/* First guesses. calibrate_first_arms: the material, with arms from those of the lumped model. */
+void calibrate_first_arms(const calibrate_options *o, const calibrate_state *s, palp_material *start);
 palp_status guess_polynomial(const palp_law *law, size_t degree, double strain_max, palp_law *guess);
 palp_status guess_spline(const palp_law *law, size_t knots, double strain_max, palp_law *guess);
 void guess_arms(const palp_material *lumped, size_t n, double ratio, palp_material *guess);

@@ -59,8 +59,11 @@ static json_t *depths_json(const calibrate_state *s) {
     json_t *list = json_array();
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *p = &s->press[i];
-        json_array_append_new(list, json_pack("{s:f, s:f, s:f}", "depth_mm", 1e3 * p->depth_m, "peak_N",
-                                              p->peak_N, "max_error_percent", p->max_error_percent));
+        json_t *entry = json_pack("{s:f, s:f, s:f}", "depth_mm", 1e3 * p->depth_m, "peak_N", p->peak_N,
+                                  "max_error_percent", p->max_error_percent);
+        if (p->tip_radius_m > 0)
+            json_object_set_new(entry, "tip_radius_mm", json_real(1e3 * p->tip_radius_m));
+        json_array_append_new(list, entry);
     }
     return list;
 }
@@ -107,6 +110,8 @@ static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) 
     if (s->model.material.law.strain_max > 0) { /* of the model; laws of stages and iterations carry none */
         json_object_set_new(all, "strain_max", json_real(s->model.material.law.strain_max));
     }
+    if (s->fits_poisson)
+        json_object_set_new(all, "poisson_ratio", json_real(s->model.poisson_ratio));
     if (s->buckled)
         json_object_set_new(
             all, "buckling",
@@ -171,14 +176,20 @@ static void print_static(const calibrate_state *s) {
 
 static void print_relaxation(const calibrate_state *s) {
     const palp_calibration *c = &s->relaxation_result;
-    printf("Relaxation stage (%s)\n", method_name(s->relaxation_method));
+    printf(s->tools ? "Plates and spheres at once (%s)\n" : "Relaxation stage (%s)\n",
+           method_name(s->relaxation_method));
     print_iterations(c, s->relaxation_method, true);
     law_text_print(&c->material.law);
     print_arms(&c->material);
+    if (s->fits_poisson)
+        printf("  Poisson's ratio %.3f\n", s->model.poisson_ratio);
     printf("  depth (mm)   peak (N)   largest error (%% of the peak)\n");
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *p = &s->press[i];
-        printf("  %10.4g %10.5g %10.3f\n", 1e3 * p->depth_m, p->peak_N, p->max_error_percent);
+        printf("  %10.4g %10.5g %10.3f", 1e3 * p->depth_m, p->peak_N, p->max_error_percent);
+        if (p->tip_radius_m > 0)
+            printf("   sphere of %.4g mm", 1e3 * p->tip_radius_m);
+        putchar('\n');
     }
 }
 

@@ -180,7 +180,7 @@ static double deepest_press(const calibrate_state *s) {
     return deepest;
 }
 
-static void relaxation_start(const calibrate_options *o, const calibrate_state *s, palp_material *start) {
+void calibrate_first_arms(const calibrate_options *o, const calibrate_state *s, palp_material *start) {
     size_t n = o->arms ? o->arms : s->lumped.material.n_arms;
     double ratio =
         stiffness_ratio(&s->model.material.law, &s->lumped.material.law, deepest_press(s) / s->height_m);
@@ -296,7 +296,7 @@ int calibrate_relaxation(const calibrate_options *o, calibrate_state *s) {
         cli_warning(
             NAME, "the arms are fitted on a lattice of %d nodes a side, not on the large one (doc/meshes.md)",
             COARSE);
-    relaxation_start(o, s, &start);
+    calibrate_first_arms(o, s, &start);
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *press = &s->press[i];
         targets[i] = (palp_target){.path = press->path,
@@ -389,7 +389,7 @@ static palp_status compare(calibrate_state *s, press_target *press, progress *ba
 static void limit_range(calibrate_state *s) {
     palp_law *law = &s->model.material.law;
     double top = fmax(s->static_result.strain_max, s->strain_max);
-    if (!s->does_static) {
+    if (!s->does_static && !s->tools) {
         if (palp_law_beyond(law, s->strain_max) > 1e-9)
             press_warn_beyond(NAME, law, s->strain_max, -1);
         return;
@@ -406,7 +406,7 @@ static void limit_range(calibrate_state *s) {
 int calibrate_compare(const calibrate_options *o, calibrate_state *s) {
     progress bar;
     palp_status status = palp_network_set_material(s->network, &s->model.material);
-    for (size_t i = 0; status == PALP_OK && i < s->n_presses; i++) {
+    for (size_t i = 0; status == PALP_OK && i < s->n_presses && !s->tools; i++) { /* the others are met */
         progress_start(&bar, "checking");
         status = compare(s, &s->press[i], &bar);
         progress_finish(&bar);

@@ -168,13 +168,13 @@ static palp_status thin(size_t n, const double *time_s, const double *depth_m, c
     return status;
 }
 
-static int press_from_run(const char *file, const palp_experiment *run, press_target *press) {
+static int press_from_run(const char *file, const palp_experiment *run, size_t least, press_target *press) {
     const double *time_s = palp_experiment_column(run, "time_s"),
                  *depth_mm = palp_experiment_column(run, "depth_mm"),
                  *force_N = palp_experiment_column(run, "force_N");
     size_t rows = palp_experiment_rows(run), first = contact_row(rows, depth_mm), n = rows - first;
-    if (n < 10)
-        return cli_failure(NAME, "%s: has fewer than ten samples in contact", file);
+    if (n < least)
+        return cli_failure(NAME, "%s: has fewer than %zu samples in contact", file, least);
     double *time = malloc(n * sizeof *time), *depth = malloc(n * sizeof *depth);
     palp_status status = time && depth ? PALP_OK : PALP_ERR_NO_MEMORY;
     press->measured = true;
@@ -205,6 +205,58 @@ static palp_status kind_of(const palp_experiment *run, palp_recording_kind *kind
     return status;
 }
 
+/* Radius of the sphere that pressed, mm; 0 = a plate. */
+static int tip_of(const char *file, const palp_experiment *run, double *radius_mm) {
+    const char *name = "plate";
+    palp_tip_kind tip = PALP_TIP_CONE;
+    *radius_mm = 0;
+    palp_experiment_get_string(run, "tip.kind", &name);
+    if (!palp_tip_find(name, &tip) || tip == PALP_TIP_FLAT || tip == PALP_TIP_CONE)
+        return cli_failure(NAME, "%s: its tip.kind \"%s\" presses no network; only plate and sphere do", file,
+                           name);
+    if (tip == PALP_TIP_SPHERE && (palp_experiment_get_number(run, "tip.radius_mm", radius_mm) != PALP_OK ||
+                                   !(*radius_mm > 0 && *radius_mm <= 1e4)))
+        return cli_failure(NAME, "%s: a sphere needs its tip.radius_mm", file);
+    return CLI_OK;
+}
+
+/* The samples to the deepest one of a slow press; each is of the relaxed network. */
+static int press_of_tip(const char *file, const palp_experiment *run, palp_recording_kind kind,
+                        press_target *press) {
+    double radius_mm;
+    int code = tip_of(file, run, &radius_mm);
+    if (code == CLI_OK)
+        code = press_from_run(file, run, 3, press);
+    press->tip_radius_m = 1e-3 * radius_mm;
+    press->relaxed = kind == PALP_RECORDING_STATIC;
+    record *target = &press->target;
+    for (size_t i = 0; press->relaxed && i < target->n; i++)
+        if (target->depth_m[i] >= 0.999 * press->depth_m)
+            target->n = i + 1;
+    return code;
+}
+
+/* Whether any run is of a tool, and whether tips of different size pressed. */
+static int note_tools(const calibrate_options *o, calibrate_state *s) {
+    double first_mm = 0, radius_mm;
+    bool differ = false;
+    int code = CLI_OK;
+    for (size_t i = 1; code == CLI_OK && i < o->n_words; i++) {
+        palp_experiment *run = NULL;
+        code = open_run(NAME, o->words[i], &run);
+        if (code == CLI_OK)
+            code = tip_of(o->words[i], run, &radius_mm);
+        palp_experiment_free(run);
+        if (code)
+            break;
+        first_mm = i == 1 ? radius_mm : first_mm;
+        differ = differ || radius_mm != first_mm;
+        s->tools = s->tools || radius_mm > 0;
+    }
+    s->fits_poisson = s->tools && differ && !(o->poisson > 0) && s->source.scaling == PALP_SCALING_CONTINUUM;
+    return code;
+}
+
 static int read_run(const char *file, calibrate_state *s) {
     palp_experiment *run = NULL;
     palp_recording_kind kind = PALP_RECORDING_OTHER;
@@ -212,15 +264,6 @@ static int read_run(const char *file, calibrate_state *s) {
     int code = open_run(NAME, file, &run);
     if (code)
         return code;
-    const char *tip = "plate";
-    if (palp_experiment_get_string(run, "tip.kind", &tip) == PALP_OK && strcmp(tip, "plate") != 0) {
-        code = cli_failure(NAME,
-                           "%s: was pressed by a tip, \"%s\", and networks are calibrated by plates; palpate "
-                           "characterize finds the moduli of such runs",
-                           file, tip);
-        palp_experiment_free(run);
-        return code;
-    }
     palp_status status = palp_recording_check(run, file, s->lumped.height_m, &error);
     if (status == PALP_OK)
         status = open_smooth_path(run);
@@ -228,10 +271,12 @@ static int read_run(const char *file, calibrate_state *s) {
         status = kind_of(run, &kind);
     if (status) {
         code = cli_status_of(NAME, file, status, &error);
+    } else if (kind != PALP_RECORDING_OTHER && s->tools && s->n_presses < PRESSES_MAX) {
+        code = press_of_tip(file, run, kind, &s->press[s->n_presses++]);
     } else if (kind == PALP_RECORDING_STATIC && s->does_static) {
         code = static_from_run(file, run, s);
     } else if (kind == PALP_RECORDING_RAMP_HOLD && s->does_relaxation && s->n_presses < PRESSES_MAX) {
-        code = press_from_run(file, run, &s->press[s->n_presses++]);
+        code = press_from_run(file, run, 10, &s->press[s->n_presses++]);
     } else {
         static const char *const kinds[] = {"one press without a dwell", "a press and a dwell",
                                             "more than one press"};
@@ -300,7 +345,9 @@ static void judge_range(const calibrate_state *s) {
 }
 
 int calibrate_targets(const calibrate_options *o, calibrate_state *s) {
-    int code = CLI_OK;
+    int code = note_tools(o, s);
+    s->does_static = s->does_static && !s->tools;
+    s->does_relaxation = s->does_relaxation || s->tools; /* where its result goes */
     for (size_t i = 1; code == CLI_OK && i < o->n_words; i++)
         code = read_run(o->words[i], s);
     if (code == CLI_OK && s->does_static && s->n_static == 0) {

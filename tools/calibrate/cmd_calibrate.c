@@ -33,7 +33,8 @@ static size_t network_options(calibrate_options *o, cli_option *to) {
                      "specimen's cross-section, or the mesh's volume over its height)"),
         cli_positive("poisson", "RATIO", MOST_POISSON, &o->poisson,
                      "Poisson's ratio of the network as a solid at rest, 0.25 to 0.49:\n"
-                     "springs alone have 0.25 (default: that of --start, or 0.25); soft\n"
+                     "springs alone have 0.25 (default: that of --start, or 0.25, or found\n"
+                     "from runs of tips of different size, one a sphere); soft\n"
                      "tissue is near 0.45. Its cells then resist a change of volume"),
         cli_choice("branch", "continue|stable", &o->branch,
                    "equilibrium to follow where the network buckles: the one that\n"
@@ -137,7 +138,9 @@ static int parse(int argc, char **argv, calibrate_options *o) {
         "LUMPED.json [RUN.csv ...] --nodes N [options]\n"
         "       palpate calibrate --check NETWORK.json [options]",
         "Fits the stiffness law and the arms of a network's elements, so that its force equals that of a\n"
-        "lumped model, or of measured runs (protocol.kind static or ramp_hold).",
+        "lumped model, or of measured runs (protocol.kind static or ramp_hold). If a run is of a sphere\n"
+        "(tip.kind), the runs of plates and spheres are met at once, and the lumped model is the first "
+        "guess.",
         "  palpate calibrate data/sedef2008/lumped_n2.json --nodes 5 --strain-dependent --out network.json\n"
         "  palpate calibrate data/sedef2008/lumped_n1.json --nodes 3 --stage static --method fixed_point "
         "--json\n",
@@ -231,9 +234,11 @@ static int write_model(const calibrate_options *o, const calibrate_state *s) {
 static int calibrate(const calibrate_options *o, calibrate_state *s) {
     int code = calibrate_setup(o, s);
     code = code ? code : calibrate_targets(o, s);
+    if (code == CLI_OK && s->tools)
+        code = calibrate_tools(o, s);
     if (code == CLI_OK && s->does_static)
         code = calibrate_static(o, s);
-    if (code == CLI_OK && s->does_relaxation)
+    if (code == CLI_OK && s->does_relaxation && !s->tools)
         code = calibrate_relaxation(o, s);
     code = code ? code : calibrate_compare(o, s);
     if (code == CLI_OK && o->out)

@@ -231,6 +231,19 @@ palp_status press_network(palp_network *network, const palp_path *path, const pr
     return o.status ? o.status : status;
 }
 
+palp_tool press_sphere(const palp_mesh *mesh, double radius_m) {
+    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = radius_m};
+    const double *x = palp_mesh_positions(mesh);
+    const int32_t *top = NULL;
+    size_t n = 0;
+    palp_mesh_set(mesh, "top", &n, &top);
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++)
+            tool.position_m[k] += x[3 * top[i] + k] / (double)n;
+    tool.position_m[1] += radius_m;
+    return tool;
+}
+
 static palp_status step_tool(palp_network *network, const palp_tool *start, double time_s, double depth_m,
                              double dt_s, double *force_N, palp_run_info *info) {
     palp_tool tool = *start;

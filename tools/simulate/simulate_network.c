@@ -73,20 +73,6 @@ int simulate_tip(const simulate_options *o, simulation *s) {
     return CLI_OK;
 }
 
-/* Where it touches the highest nodes, in their middle. */
-static palp_tool sphere_on_top(const simulation *s) {
-    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = s->tip_radius_m};
-    const double *x = palp_mesh_positions(s->mesh);
-    const int32_t *top = NULL;
-    size_t n = 0;
-    palp_mesh_set(s->mesh, "top", &n, &top);
-    for (size_t i = 0; i < n; i++)
-        for (int k = 0; k < 3; k++)
-            tool.position_m[k] += x[3 * top[i] + k] / (double)n;
-    tool.position_m[1] += tool.radius_m;
-    return tool;
-}
-
 static void judge_tip(const simulate_options *o, const simulation *s) {
     double error = 0, deepest = 0;
     for (size_t i = 0; i < s->curve.n; i++)
@@ -107,7 +93,7 @@ static palp_status press_with_bar(const simulate_options *o, simulation *s, fram
     press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
     press_watch watch = {&bar, add_frame, f};
     progress_start(&bar, "simulate");
-    const palp_tool sphere = sphere_on_top(s);
+    const palp_tool sphere = press_sphere(s->mesh, s->tip_radius_m);
     palp_status status = s->tip_radius_m > 0
                              ? press_tool(s->network, &sphere, &s->path, &press, &watch, &s->curve, &s->info)
                              : press_network(s->network, &s->path, &press, &watch, &s->curve, &s->info);
