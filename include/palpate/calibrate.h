@@ -139,8 +139,8 @@ typedef struct palp_presses_settings {
 /* 40 evaluations, stop at 1e-4, the default contact; Poisson's ratio and beta stay as they are. */
 PALP_API palp_presses_settings palp_presses_settings_default(void);
 
-/* Fits the law (a polynomial or spline) and the arms of a network model so that its forces meet all presses at
- * once. Each press counts by the mean square of its error over its peak force. The model's material is the
+/* Fits the law (a polynomial or spline) and the arms of a network model so that its forces meet all presses
+ * at once. Each press counts by the mean square of its error over its peak force. The model's material is the
  * first guess, up to a factor; it and the Poisson's ratio are replaced by the best found. Effects of the
  * model are left out. mesh: the model's. result, which the caller frees, has the samples of all presses one
  * after the other. ERR_UNSUPPORTED: another kind of law, mass, a Poisson's ratio where the network cannot
@@ -149,8 +149,7 @@ PALP_API palp_presses_settings palp_presses_settings_default(void);
  * guess, of palp_network_step. */
 PALP_API palp_status palp_calibrate_presses(palp_model *model, const palp_mesh *mesh, size_t n_targets,
                                             const palp_press_target *targets,
-                                            const palp_presses_settings *settings,
-                                            palp_calibration *result);
+                                            const palp_presses_settings *settings, palp_calibration *result);
 
 /* The covariance of a calibrated network's parameters, [n n] in the order of palp_model.covariance. It
  * follows from lumped->covariance and the derivatives of both models' forces in the runs of the calibration.

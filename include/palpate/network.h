@@ -133,6 +133,12 @@ PALP_API const double *palp_network_element_strain(const palp_network *network);
 PALP_API double palp_network_strain_max(const palp_network *network);
 PALP_API size_t palp_network_unknown_count(const palp_network *network);
 PALP_API const palp_mesh *palp_network_mesh(const palp_network *network); /* as given to create, copied */
+
+/* The solids that resist a change of volume (palp_network_settings), and k, Pa, in the present material; k 0
+ * and n 0 if there are none. nodes[corners n], the network's: 4 of a tetrahedron, or 8 of a cell, whose
+ * corner c is at x = c & 1, y = c >> 1 & 1, z = c >> 2. */
+PALP_API double palp_network_volume_solids(const palp_network *network, size_t *n, size_t *corners,
+                                           const int32_t **nodes);
 /* element forces, tension positive, into force_N[n_elements] */
 PALP_API void palp_network_element_force(const palp_network *network, double *force_N);
 

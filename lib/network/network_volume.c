@@ -344,6 +344,18 @@ bool network_has_volume(const palp_network *net) {
     return find_volume_term(net);
 }
 
+double palp_network_volume_solids(const palp_network *net, size_t *n, size_t *corners,
+                                  const int32_t **nodes) {
+    const volume *t = net ? find_volume_term(net) : NULL;
+    if (n)
+        *n = t ? t->n_all : 0;
+    if (corners)
+        *corners = t ? t->corners : 0;
+    if (nodes)
+        *nodes = t ? t->all : NULL;
+    return t ? t->modulus : 0.0;
+}
+
 /* ---- making it ----------------------------------------------------------------------------------- */
 
 static bool are_all_corners_joined(const palp_network *net, size_t corners, const int32_t *node) {

@@ -120,6 +120,28 @@ static palp_status write_springs(const calculix_deck *deck, FILE *to) {
     return PALP_OK;
 }
 
+/* Solids of the energy k (J - 1 - ln J) per volume, from two terms (mu, alpha, nu) of a hyperfoam, each
+ * 2 mu / alpha^2 (sum of l^alpha - 3 + (J^(-alpha b) - 1) / b), b = nu / (1 - 2 nu), l the stretches. With
+ * mu -+k / 2 and alpha 1 the sums cancel; b = -1 leaves k (J - 1), b near 0 leaves -k ln J. A cell has one
+ * point of integration, as it has one J here. */
+static void write_solids(const calculix_deck *deck, FILE *to) {
+    static const int in_gmsh_order[8] = {0, 1, 3, 2, 4, 5, 7, 6}, as_given[4] = {0, 1, 2, 3};
+    const int *order = deck->corners == 8 ? in_gmsh_order : as_given;
+    const double mu_MPa = 0.5e-6 * deck->volume_modulus_Pa;
+    size_t first = palp_mesh_element_count(deck->mesh) + 1;
+    fprintf(to, "*ELEMENT,TYPE=%s,ELSET=SOLIDS\n", deck->corners == 8 ? "C3D8R" : "C3D4");
+    for (size_t i = 0; i < deck->n_solids; i++) {
+        fprintf(to, "%zu", first + i);
+        for (size_t c = 0; c < deck->corners; c++)
+            fprintf(to, ",%d", deck->solids[deck->corners * i + (size_t)order[c]] + 1);
+        fputc('\n', to);
+    }
+    fprintf(to,
+            "*MATERIAL,NAME=VOLUME\n*HYPERFOAM,N=2\n%.12g,1.,%.12g,1.,1.,1e-6\n"
+            "*SOLID SECTION,ELSET=SOLIDS,MATERIAL=VOLUME\n",
+            -mu_MPa, mu_MPa);
+}
+
 static palp_status write_supports(const calculix_deck *deck, FILE *to) {
     for (size_t s = 0; s < deck->n_supports; s++) {
         const palp_support *support = &deck->supports[s];
@@ -170,6 +192,8 @@ palp_status calculix_write(const calculix_deck *deck, FILE *to) {
             deck->model, deck->table_points, -deck->table_strain, deck->table_strain);
     write_nodes(deck->mesh, to);
     palp_status status = write_springs(deck, to);
+    if (deck->n_solids > 0)
+        write_solids(deck, to);
     if (status == PALP_OK)
         status = write_supports(deck, to);
     double from_m = 0;

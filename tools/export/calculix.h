@@ -14,7 +14,10 @@ enum { CALCULIX_POINTS_MAX = 199 };
 typedef struct calculix_deck {
     const palp_mesh *mesh;
     const palp_law *law;
-    const char *model; /* its name, for the heading */
+    const char *model;        /* its name, for the heading */
+    double volume_modulus_Pa; /* of the solids below, or 0: palp_network_volume_solids */
+    size_t n_solids, corners;
+    const int32_t *solids;
     size_t n_supports;
     const palp_support *supports;
     size_t n_depths;

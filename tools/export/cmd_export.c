@@ -26,7 +26,8 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
                   "points of each force-elongation table, rounded down to an odd number\n"
                   "(default and most 199: CalculiX drops points of longer tables)"),
         cli_positive("table-strain", "E", 0.99, &o->table_strain,
-                     "strain range of the tables, -E to E (default 1.2 x the largest strain);\n"
+                     "strain range of the tables, -E to E (default 1.2 x the largest strain;\n"
+                     "0.95 with a Poisson's ratio, where elements stretch by more);\n"
                      "beyond it CalculiX keeps the force constant"),
         cli_positive("step-strain", "E", 1, &o->step_strain,
                      "largest increment of a step, as a share of the height (default 0.01)"),
@@ -37,7 +38,8 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
         "export",
         "MODEL.json --depth-mm LIST [--out DECK.inp]",
         "Writes the fully relaxed network (springs without arms) as a CalculiX deck: SPRINGA elements,\n"
-        "supports, and a static step to each depth that prints the force on the plate.",
+        "solids that resist a change of volume, supports, and a static step to each depth that prints\n"
+        "the force on the plate.",
         "  palpate export network.json --strain 0.1,0.2,0.3,0.4 --out network.inp\n"
         "  ccx -i network && cat network.dat\n",
         options,
@@ -68,11 +70,15 @@ static int presses(const export_options *o, const char *model, calculix_deck *de
                                "a depth of %g mm is not below the height of %g mm of %s; press less",
                                1e3 * deepest, 1e3 * deck->height_m, model);
     deck->depth_m = depth_m;
-    deck->table_strain = o->table_strain > 0 ? o->table_strain : fmin(0.95, 1.2 * deepest / deck->height_m);
+    deck->table_strain = o->table_strain > 0  ? o->table_strain
+                         : deck->n_solids > 0 ? 0.95
+                                              : fmin(0.95, 1.2 * deepest / deck->height_m);
     return CLI_OK;
 }
 
-static int write_deck(const export_options *o, const palp_model *model, const char *path, palp_mesh *mesh) {
+static int write_deck(const export_options *o, const palp_model *model, const char *path,
+                      const palp_network *network) {
+    const palp_mesh *mesh = palp_network_mesh(network);
     palp_support supports[2];
     double low[3], high[3], depth_m[CLI_LIST_MAX];
     palp_file file;
@@ -86,6 +92,7 @@ static int write_deck(const export_options *o, const palp_model *model, const ch
                           .height_m = high[1] - low[1],
                           .step_strain = o->step_strain,
                           .table_points = o->points - (o->points % 2 == 0)};
+    deck.volume_modulus_Pa = palp_network_volume_solids(network, &deck.n_solids, &deck.corners, &deck.solids);
     int code = presses(o, path, &deck, depth_m);
     if (code == CLI_OK)
         code = cli_file_open("export", o->out, &file);
@@ -114,13 +121,13 @@ int cmd_export(int argc, char **argv) {
                          &model, &source);
     if (code)
         return code;
-    if (model.volume_modulus_Pa > 0 || model.poisson_ratio > 0)
-        return cli_failure("export", "%s: has %s, which no spring of the deck can stand for", path,
-                           model.poisson_ratio > 0 ? "poisson_ratio" : "volume_modulus_Pa");
+    palp_network *network = NULL;
     palp_status status = palp_model_mesh(&model, &mesh, &error);
-    if (status)
-        return cli_status("export", status, &error);
-    code = write_deck(&o, &model, path, mesh);
+    model.n_effects = 0; /* the deck is of the plain network */
+    if (!status)
+        status = palp_network_from_model(&model, mesh, 0, NULL, NULL, &network, &error);
+    code = status ? cli_status("export", status, &error) : write_deck(&o, &model, path, network);
+    palp_network_free(network);
     palp_mesh_free(mesh);
     return code;
 }
