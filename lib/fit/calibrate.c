@@ -1,6 +1,7 @@
 /* calibrate.c: results of a calibration. */
 #include "calibrate_internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,6 +22,16 @@ palp_status calibration_add(palp_calibration *c, const palp_calibrate_iteration 
     c->iterations = grown;
     grown[c->n_iterations++] = *iteration;
     return PALP_OK;
+}
+
+palp_calibrate_iteration calibration_iteration(const palp_material *material, double squares, double weighted,
+                                               size_t n) {
+    return (palp_calibrate_iteration){.residual_N = sqrt(squares),
+                                      .relative_rms = sqrt(weighted / (double)n),
+                                      .material = *material,
+                                      .peak_error_percent = NAN,
+                                      .steady_time_error_percent = NAN,
+                                      .steady_force_error_percent = NAN};
 }
 
 bool calibration_lost(palp_status status) {

@@ -10,6 +10,10 @@
 /* Appends a copy of *iteration. */
 palp_status calibration_add(palp_calibration *c, const palp_calibrate_iteration *iteration);
 
+/* One of a fit to n targets: the squares of its errors, and the weighted ones. */
+palp_calibrate_iteration calibration_iteration(const palp_material *material, double squares, double weighted,
+                                               size_t n);
+
 /* Room for the curve of n samples, and the wanted one copied. */
 palp_status calibration_set_target(palp_calibration *c, size_t n, const double *depth, const double *target);
 

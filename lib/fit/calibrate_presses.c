@@ -162,12 +162,7 @@ static palp_status report(presses *s, double weighted) {
     double sum = 0.0;
     for (size_t i = 0; i < s->n_samples; i++)
         sum += (s->force[i] - s->result->target_N[i]) * (s->force[i] - s->result->target_N[i]);
-    palp_calibrate_iteration it = {.residual_N = sqrt(sum),
-                                   .relative_rms = sqrt(weighted / (double)s->n_targets),
-                                   .material = s->model.material,
-                                   .peak_error_percent = NAN,
-                                   .steady_time_error_percent = NAN,
-                                   .steady_force_error_percent = NAN};
+    palp_calibrate_iteration it = calibration_iteration(&s->model.material, sum, weighted, s->n_targets);
     palp_status status = calibration_add(s->result, &it);
     if (status)
         return status;

@@ -144,12 +144,7 @@ static palp_status report(relaxation *s, const palp_material *material, double w
     for (size_t t = 0; t < s->n_targets; force += s->target[t++].n)
         for (size_t i = 0; i < s->target[t].n; i++)
             sum += (force[i] - s->target[t].force_N[i]) * (force[i] - s->target[t].force_N[i]);
-    palp_calibrate_iteration it = {.residual_N = sqrt(sum),
-                                   .relative_rms = sqrt(weighted / (double)s->n_targets),
-                                   .material = *material,
-                                   .peak_error_percent = NAN,
-                                   .steady_time_error_percent = NAN,
-                                   .steady_force_error_percent = NAN};
+    palp_calibrate_iteration it = calibration_iteration(material, sum, weighted, s->n_targets);
     palp_status status = calibration_add(s->result, &it);
     if (status)
         return status;
