@@ -93,8 +93,8 @@ grep -q 'poisson_ratio' springs.json && fail "springs alone have 0.25"
 forces solid.json 7 >solid.csv
 forces $L 7 >lumped.csv
 near "pressed by 7 mm" "$(tail -1 solid.csv | cut -d, -f2)" "$(tail -1 lumped.csv | cut -d, -f2)" 0.01
-expect 1 export solid.json --strain 0.1 --out deck.inp
-says "has poisson_ratio"
+expect 0 export solid.json --strain 0.1 --out deck.inp # calculix.sh compares the forces
+grep -q '^\*HYPERFOAM' deck.inp || fail "no solids in the deck"
 expect 1 calibrate $L --mesh $M/box_hexa.msh --stage static --poisson 0.4 --steps 100
 says "an element between any two corners"
 expect 2 calibrate $L --nodes 3 --poisson 0.2
@@ -104,6 +104,6 @@ says "tetrahedra lock"
 sed 's/"poisson_ratio": 0.45/"volume_modulus_Pa": 4260.41/' solid.json >volume.json
 expect 0 calibrate $L --start volume.json --stage static --steps 200 --depth-mm 7 --out volumes.json
 grep -q '"volume_modulus_Pa": 4260.41' volumes.json || fail "--start lost the volume modulus"
-expect 1 export volumes.json --strain 0.1 --out deck.inp
-says "has volume_modulus_Pa"
+expect 0 export volumes.json --strain 0.1 --out deck.inp
+grep -q 'TYPE=C3D4' deck.inp || fail "no tetrahedra in the deck"
 done_testing
