@@ -68,8 +68,8 @@ typedef enum palp_explain_verdict {
     PALP_EXPLAIN_EXPLAINED,   /* with the effects, what remains is at the noise level */
     PALP_EXPLAIN_AMBIGUOUS,   /* likewise, but another effect would do as well */
     PALP_EXPLAIN_UNEXPLAINED, /* something remains that no effect of the catalogue accounts for */
-    PALP_EXPLAIN_SUSPECTED /* of one recording: effects gain more than chance, but no other run confirms them
-                            */
+    PALP_EXPLAIN_SUSPECTED,   /* effects gain more than chance, but not by enough, or nothing confirms them */
+    PALP_EXPLAIN_ANOTHER_LAW  /* no effect is missing, but the law or the drive of the arms is another one */
 } palp_explain_verdict;
 
 PALP_API const char *palp_explain_verdict_name(palp_explain_verdict verdict); /* "agrees", ... */
@@ -108,6 +108,16 @@ typedef struct palp_explain_law {
                          gap.after_N is */
     double evidence;  /* in log likelihood, less what its coefficients cost, nats */
 } palp_explain_law;
+
+/* What no term of the model follows, by what it depends on: rms over the samples, N (palp_infer). */
+typedef struct palp_explain_discrepancy {
+    bool known;                    /* it was looked for */
+    bool found;                    /* it is distinguishable from zero, and beyond the practical limit */
+    double evidence;               /* nats */
+    double loading_N, unloading_N; /* on the depth, on the way in and on the way out */
+    double since_turn_N;           /* on the time since the plate last turned */
+    double correlated_N;           /* on the time in the run: correlated noise */
+} palp_explain_discrepancy;
 
 /* How the specimens of the runs differ, which their files name; model has it as the spread between specimens
  * then. */
@@ -189,6 +199,7 @@ typedef struct palp_explain_next {
     size_t cycles;
     palp_effect_id between[2];
     double separation_N; /* expected rms difference */
+    double nats;         /* expected log odds between the two after it (palp_infer) */
     const char *note;    /* NULL, or what the indenter alone cannot do */
 } palp_explain_next;
 
@@ -203,6 +214,7 @@ typedef struct palp_explanation {
     double white_N, correlated_N, correlation_s; /* the noise level's parts */
     palp_explain_scatter zero, contact, gain;
     palp_explain_law law;
+    palp_explain_discrepancy discrepancy;
     palp_explain_specimens specimens;
     bool replicates;       /* the runs have some */
     double null_threshold; /* score above which a candidate is more than chance, nats */

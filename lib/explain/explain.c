@@ -20,7 +20,8 @@ palp_explain_settings palp_explain_settings_default(void) {
 }
 
 const char *palp_explain_verdict_name(palp_explain_verdict verdict) {
-    static const char *const names[] = {"agrees", "explained", "ambiguous", "unexplained", "suspected"};
+    static const char *const names[] = {"agrees",      "explained", "ambiguous",
+                                        "unexplained", "suspected", "another_law"};
     return (unsigned)verdict < sizeof names / sizeof *names ? names[verdict] : "unknown";
 }
 

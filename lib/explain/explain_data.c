@@ -382,7 +382,9 @@ static palp_status take_inputs(explain_data *data, size_t n, const palp_explain_
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, const palp_model *model,
                                 explain_data *data, palp_error *error) {
-    *data = (explain_data){.given = model};
+    *data = (explain_data){.given = model,
+                           .contacts_alike = settings->contact == PALP_CONTACT_KNOWN ||
+                                             settings->contact == PALP_CONTACT_COMMON};
     data->run = calloc(n, sizeof *data->run);
     palp_status status = data->run ? explain_height(model, &data->height, error) : PALP_ERR_NO_MEMORY;
     if (!status)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES = 2000 };
+enum { SAMPLES = EXPLAIN_PATH };
 static const double AIR = 0.3; /* of the deepest: where a run starts and ends */
 
 /* Depths relative to the deepest so far, rates to the fastest, holds to the longest run. */
@@ -15,19 +15,14 @@ typedef struct protocol {
     size_t cycles;
 } protocol;
 
-static const protocol protocols[] = {
+static const protocol protocols[EXPLAIN_PROTOCOLS] = {
     {"ramp_hold", 1.0, 1.0, 3.0, 0}, {"ramp_hold", 0.5, 1.0, 3.0, 0}, {"ramp_hold", 1.0, 0.03, 0.6, 0},
     {"static", 1.0, 0.03, 0.02, 0},  {"cyclic", 1.0, 0.3, 0.0, 4},    {"cyclic", 0.6, 0.8, 0.0, 10},
     {"cyclic", 1.2, 0.3, 0.0, 2},    {"free", 0.6, 0.8, 0.05, 0},
 };
 
-typedef struct path {
-    size_t n;
-    double time[SAMPLES], depth[SAMPLES];
-} path;
-
 /* Straight to a depth. */
-static void go(path *p, double depth, double seconds, size_t samples) {
+static void go(explain_path *p, double depth, double seconds, size_t samples) {
     double t = p->time[p->n - 1], d = p->depth[p->n - 1];
     for (size_t k = 1; k <= samples && p->n < SAMPLES; k++) {
         double part = (double)k / (double)samples;
@@ -36,7 +31,8 @@ static void go(path *p, double depth, double seconds, size_t samples) {
     }
 }
 
-static void walk(const protocol *q, const explain_data *data, path *p) {
+void explain_path_find(size_t k, const explain_data *data, explain_path *p) {
+    const protocol *q = &protocols[k];
     bool is_air = strcmp(q->kind, "free") == 0;
     const double air = AIR * data->deepest, rate = q->rate * data->fastest, hold = q->hold * data->duration;
     double top = is_air ? -air - q->depth * data->deepest : q->depth * data->deepest, way = fabs(top + air);
@@ -56,7 +52,7 @@ static void walk(const protocol *q, const explain_data *data, path *p) {
 }
 
 /* rms of the difference that is left once the run's own zero and gain are free: what cannot be scatter. */
-static double separation(const path *p, const double *a, const double *b) {
+double explain_separation(const explain_path *p, const double *a, const double *b) {
     double aa = 0.0, ad = 0.0, sa = 0.0, sd = 0.0, dd = 0.0, n = 0.0;
     for (size_t i = 1; i < p->n; i++) {
         double w = p->time[i] - p->time[i - 1], d = b[i] - a[i];
@@ -73,9 +69,20 @@ static double separation(const path *p, const double *a, const double *b) {
     return sqrt(fmax(0.0, left) / n);
 }
 
+palp_explain_next explain_next_of(size_t k, const explain_data *data) {
+    const protocol *q = &protocols[k];
+    const bool ramp = strcmp(q->kind, "ramp_hold") == 0, air = strcmp(q->kind, "free") == 0;
+    return (palp_explain_next){.wanted = true,
+                               .kind = q->kind,
+                               .hold_s = ramp || air ? q->hold * data->duration : 0.0,
+                               .depth_mm = 1e3 * q->depth * data->deepest,
+                               .rate_mm_s = 1e3 * q->rate * data->fastest,
+                               .cycles = q->cycles};
+}
+
 palp_status explain_next_find(const explain_search *full, const explain_search *rest,
                               const palp_explain_effect *out, palp_explain_next *next) {
-    path *p = malloc(sizeof *p);
+    explain_path *p = malloc(sizeof *p);
     double *force = malloc(2 * SAMPLES * sizeof *force);
     palp_status status = p && force ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t c = 1; c < out->n_class && !status; c++) {
@@ -83,25 +90,19 @@ palp_status explain_next_find(const explain_search *full, const explain_search *
         if (!t->fit.product)
             continue;
         next->wanted = true;
-        for (size_t k = 0; k < sizeof protocols / sizeof *protocols; k++) {
-            const protocol *q = &protocols[k];
-            walk(q, &full->data, p);
+        for (size_t k = 0; k < EXPLAIN_PROTOCOLS; k++) {
+            explain_path_find(k, &full->data, p);
             palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
             if (explain_predict(&full->fit.model, &run, force, NULL, NULL) ||
                 explain_predict(&t->fit.model, &run, force + SAMPLES, NULL, NULL))
                 continue;
-            double apart = separation(p, force, force + SAMPLES);
+            const double apart = explain_separation(p, force, force + SAMPLES);
             if (!(apart > next->separation_N))
                 continue;
-            bool ramp = strcmp(q->kind, "ramp_hold") == 0, air = strcmp(q->kind, "free") == 0;
-            *next = (palp_explain_next){.wanted = true,
-                                        .kind = q->kind,
-                                        .hold_s = ramp || air ? q->hold * full->data.duration : 0.0,
-                                        .depth_mm = 1e3 * q->depth * full->data.deepest,
-                                        .rate_mm_s = 1e3 * q->rate * full->data.fastest,
-                                        .cycles = q->cycles,
-                                        .separation_N = apart,
-                                        .between = {out->effect.id, out->alike[c]}};
+            *next = explain_next_of(k, &full->data);
+            next->separation_N = apart;
+            next->between[0] = out->effect.id;
+            next->between[1] = out->alike[c];
         }
     }
     free(p);

@@ -22,6 +22,17 @@ size_t explain_list_candidates(const explain_search *s, double threshold, palp_e
 palp_status explain_class_find(const explain_search *full, const explain_search *rest, double threshold,
                                palp_explain_effect *out);
 
+/* Runs that the indenter can do (explain_next.c): the path of the k-th, how it is told, and the rms of the
+ * difference of two forces along it that is left once the run's own zero and gain are free. */
+enum { EXPLAIN_PROTOCOLS = 8, EXPLAIN_PATH = 2000 };
+typedef struct explain_path {
+    size_t n;
+    double time[EXPLAIN_PATH], depth[EXPLAIN_PATH];
+} explain_path;
+void explain_path_find(size_t k, const explain_data *data, explain_path *p);
+palp_explain_next explain_next_of(size_t k, const explain_data *data);
+double explain_separation(const explain_path *p, const double *a, const double *b);
+
 /* The run that tells out->effect from one of its class best; stays as it is if none does better.
  * (explain_next.c) */
 palp_status explain_next_find(const explain_search *full, const explain_search *rest,

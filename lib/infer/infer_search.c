@@ -1,9 +1,11 @@
 /* infer_search.c: effects of the catalogue added to a fit, one after the other, by log evidence. */
 #include "infer_search.h"
+#include "base/dense.h"
 #include "explain/explain_noise.h"
 #include "explain/explain_search.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -160,6 +162,45 @@ static bool is_stopped(const infer_search *s, infer_trial *t) {
     return stop;
 }
 
+/* What the runs tell of the strength of the fit's last effect: the share of its prior variance that is gone.
+ */
+static palp_status find_learned(const infer_fit *fit, const explain_data *data, double *learned) {
+    const palp_model *m = &fit->c.model;
+    const size_t k = fit->k, g = k + INFER_HATS, last = m->n_effects - 1;
+    const palp_effect_info *info = palp_effect_look_up(m->effects[last].id);
+    size_t at = explain_first_column(m, last);
+    for (size_t p = 0; p < info->n_parameters && !info->parameter[p].strength; p++)
+        at += p + 1 < info->n_parameters;
+    infer_posterior p = {.memory = NULL};
+    double log_det, *q = calloc(k * k + g, sizeof *q);
+    palp_status status = q ? infer_prior(fit, data, q, &log_det) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = infer_posterior_find(fit, data, &p);
+    if (!status) {
+        double *unit = q + k * k;
+        unit[INFER_HATS + at] = 1.0;
+        dense_forward(g, p.factor, 1, unit);
+        *learned = 1.0 - dense_dot(g, unit, unit) * q[at * k + at];
+    }
+    infer_posterior_free(&p);
+    free(q);
+    return status;
+}
+
+/* How far the trial changes what is left, and what the runs tell of its strength. */
+static palp_status examine(const infer_search *s, infer_trial *t) {
+    const size_t n = s->data.n;
+    double *left = malloc(2 * n * sizeof *left);
+    palp_status status = left ? infer_residual(&t->fit, &s->data, left, left + n) : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n && !status; i++)
+        left[i] -= s->residual[i];
+    t->explained = status ? 0.0 : explain_fitted_rms(&s->data, left);
+    free(left);
+    t->learned = 1.0;
+    const bool effect = t->fit.c.model.n_effects > s->fit.c.model.n_effects;
+    return status || !effect ? status : find_learned(&t->fit, &s->data, &t->learned);
+}
+
 static void try_task(void *user, size_t i) {
     infer_search *s = user;
     infer_trial *t = &s->trial[i];
@@ -172,6 +213,8 @@ static void try_task(void *user, size_t i) {
     palp_status status = i == INFER_DRIVE                         ? try_drive(s, t)
                          : effect_row_of((palp_effect_id)i)->line ? try_hum(s, t)
                                                                   : try_effect(s, (palp_effect_id)i, t);
+    if (!status && t->fit.raw)
+        status = examine(s, t);
     if (status && t->fit.raw)
         infer_fit_free(&t->fit);
     if (status && t->second.raw)
@@ -282,16 +325,27 @@ palp_status infer_try_all(infer_search *s) {
 
 /* ---- sets ---- */
 
+/* The runs tell more of its strength than the prior does, and it is beyond the practical limit. */
+static bool is_shown(const infer_trial *t) {
+    return t->fit.raw && t->learned > 0.5;
+}
+
+static bool may_be_named(const infer_search *s, const infer_trial *t) {
+    return is_shown(t) && t->explained > s->settings->good_enough * s->data.peak;
+}
+
 /* INFER_TRIALS: there is none. */
 static int best_trial(const infer_search *s) {
     int best = INFER_TRIALS;
     for (int i = 0; i < INFER_TRIALS; i++)
-        if (s->trial[i].fit.raw && (best == INFER_TRIALS || s->trial[i].gain > s->trial[best].gain))
+        if (may_be_named(s, &s->trial[i]) && (best == INFER_TRIALS || s->trial[i].gain > s->trial[best].gain))
             best = i;
     return best;
 }
 
 static void take(infer_search *s, int id) {
+    if (id == INFER_DRIVE)
+        s->drive_gain = s->drive_gain > 0.0 ? 0.0 : s->trial[id].gain;
     infer_fit_free(&s->fit);
     s->fit = s->trial[id].fit;
     s->trial[id].fit.raw = NULL;
@@ -318,6 +372,7 @@ static palp_status settle_without(const infer_search *full, const palp_model *mo
 
 palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest) {
     *rest = *full;
+    rest->step_share = 0.0;
     memset(rest->trial, 0, sizeof rest->trial);
     memset(&rest->fit, 0, sizeof rest->fit);
     rest->residual = malloc(2 * full->data.n * sizeof *rest->residual);
@@ -369,14 +424,63 @@ static palp_status review(infer_search *s, bool *changed) {
     return status;
 }
 
+/* ---- steps ---- */
+
+static const char *why_not(const infer_search *s, const infer_trial *t) {
+    if (t->reason)
+        return t->reason;
+    if (!is_shown(t))
+        return "these runs cannot show it";
+    if (!(t->gain > 0.0))
+        return "is less probable than nothing";
+    if (!may_be_named(s, t))
+        return "explains less than the practical limit";
+    return t->gain > infer_threshold(s->settings) ? "another effect is more probable"
+                                                  : "is more probable than not, but not by enough";
+}
+
+/* Keeps the trials as a step, of which best is taken (INFER_TRIALS: none). */
+static palp_status keep_step(infer_search *s, int best) {
+    palp_explain_step *grown = realloc(s->step, (s->n_steps + 1) * sizeof *grown);
+    if (!grown)
+        return PALP_ERR_NO_MEMORY;
+    s->step = grown;
+    palp_explain_step *step = &grown[s->n_steps++];
+    *step = (palp_explain_step){.taken = best < PALP_EFFECT_COUNT ? (palp_effect_id)best : PALP_EFFECT_COUNT};
+    for (int i = 0; i < PALP_EFFECT_COUNT; i++) {
+        const infer_trial *t = &s->trial[i];
+        const bool accepted = i == best;
+        if (!s->settings->candidate[i])
+            continue;
+        palp_explain_candidate *out = &step->candidate[step->n_candidates++];
+        *out = (palp_explain_candidate){.id = (palp_effect_id)i,
+                                        .identifiable = is_shown(t),
+                                        .share = t->fit.raw ? t->learned : 0.0,
+                                        .accepted = accepted,
+                                        .score = t->fit.raw ? t->gain : 0.0,
+                                        .explained_N = t->explained};
+        out->unconfirmed = may_be_named(s, t) && !accepted && t->gain > 0.0;
+        if (!accepted)
+            snprintf(out->reason, sizeof out->reason, "%s", why_not(s, t));
+    }
+    s->told += s->step_share;
+    if (s->settings->progress)
+        s->settings->progress(s->settings->progress_user, s->step_share);
+    return PALP_OK;
+}
+
 palp_status infer_search_run(infer_search *s) {
     palp_status status = PALP_OK;
+    s->step_share = 0.7 / (2.0 * (double)s->settings->max_effects + 2.0);
     for (size_t step = 0; step < 2 * s->settings->max_effects + 2 && !status; step++) {
         if (infer_added(s) >= s->settings->max_effects)
             break;
         status = infer_try_all(s);
         const int best = status ? INFER_TRIALS : best_trial(s);
-        if (best == INFER_TRIALS || !(s->trial[best].gain > infer_threshold(s->settings)))
+        const bool worth = best != INFER_TRIALS && s->trial[best].gain > infer_threshold(s->settings);
+        if (!status)
+            status = keep_step(s, worth ? best : INFER_TRIALS);
+        if (status || !worth)
             break;
         take(s, best);
         bool changed;

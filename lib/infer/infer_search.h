@@ -10,6 +10,8 @@ typedef struct infer_trial {
     infer_fit fit;    /* fit.raw NULL: it could not be tried */
     infer_fit second; /* from another start, as long as either may be the better one; raw NULL: none */
     double gain;      /* in log evidence, less the logarithm of the number of candidates, nats */
+    double explained; /* rms by which it changes what is left, N */
+    double learned;   /* share of its strength's prior variance that the runs take away */
     const char *reason;
     palp_status status;
 } infer_trial;
@@ -25,7 +27,11 @@ typedef struct infer_search {
     double *residual, *discrepancy; /* [data.n] of it */
     infer_trial trial[INFER_TRIALS];
     double promising; /* score of a trial's fit from which on it is settled */
-    bool stopped;     /* by settings.stop: some candidates were not tried */
+    double drive_gain; /* nats, of arms that are driven otherwise than the given ones; 0: they are not */
+    size_t n_steps;
+    palp_explain_step *step; /* [n_steps] */
+    double step_share, told; /* of all work: a step is, and what was told */
+    bool stopped;            /* by settings.stop: some candidates were not tried */
 } infer_search;
 
 /* Log odds above which a set of effects is preferred: that of no false alarm to one. */

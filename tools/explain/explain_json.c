@@ -3,6 +3,7 @@
 
 #include "shared/json_out.h"
 
+#include <math.h>
 #include <string.h>
 
 static const char *id_of(palp_effect_id id) {
@@ -83,6 +84,31 @@ static void add_law(json_t *root, const palp_explanation *e) {
     json_figures(law, {"evidence", e->law.evidence}, {"gap_before_N", e->law.without_N},
                  {"gap_after_N", e->gap.after_N});
     json_object_set_new(root, "law", law);
+}
+
+/* What no term follows, by what it depends on; its share is of the squared residual with the effects. */
+static void add_discrepancy(json_t *root, const palp_explanation *e) {
+    const palp_explain_discrepancy *d = &e->discrepancy;
+    const struct {
+        const char *on;
+        double rms_N;
+    } part[] = {{"depth_loading", d->loading_N},
+                {"depth_unloading", d->unloading_N},
+                {"time_since_turn", d->since_turn_N},
+                {"time_in_run", d->correlated_N}};
+    if (!d->known)
+        return;
+    json_t *list = json_array(), *all = json_object();
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
+        json_t *one = json_pack("{s:s}", "depends_on", part[i].on);
+        const double share = e->gap.after_N > 0 ? pow(part[i].rms_N / e->gap.after_N, 2) : 0;
+        json_figures(one, {"rms_N", part[i].rms_N}, {"share", share});
+        json_array_append_new(list, one);
+    }
+    json_object_set_new(all, "found", json_boolean(d->found));
+    json_figures(all, {"evidence", d->evidence});
+    json_object_set_new(all, "parts", list);
+    json_object_set_new(root, "discrepancy", all);
 }
 
 static json_t *phase_shares_json(const palp_explanation *e) {
@@ -204,6 +230,8 @@ static json_t *next_json(const palp_explanation *e) {
     json_object_set_new(object, "run", next->kind ? run_json(next) : json_null());
     json_object_set_new(object, "between", between);
     json_figures(object, {"separation_N", next->separation_N});
+    if (next->nats > 0)
+        json_figures(object, {"nats", next->nats});
     if (next->note)
         json_object_set_new(object, "note", json_string(next->note));
     return object;
@@ -234,6 +262,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "noise_level", noise_level_json(e));
     json_object_set_new(root, "scatter", scatter_json(e));
     add_law(root, e);
+    add_discrepancy(root, e);
     json_figures(root, {"null_threshold", e->null_threshold});
     json_object_set_new(root, "phase_shares", phase_shares_json(e));
     json_object_set_new(root, "profile", explain_profile(e));

@@ -20,9 +20,10 @@ static const char *verdict_sentence(const char *verdict, double unexplained_N) {
         {"explained", "With the effects below, what remains is at the noise level."},
         {"ambiguous",
          "The effects below close the gap, but others would do as well; they are named with each."},
-        {"suspected", "Something is missing; this recording suggests candidates, and a second one would have "
-                      "to confirm them."},
+        {"suspected", "Something may be missing: these recordings suggest candidates, and more of them would "
+                      "have to confirm one."},
         {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
+        {"another_law", "No effect is missing, but the material follows another law than the given one."},
     };
     if (strcmp(verdict, "agrees") == 0 && unexplained_N > 0)
         return "What is left is more than noise, but below the practical limit.";
@@ -142,6 +143,27 @@ static void add_rest(json_t *story, const json_t *all) {
                         : "No effect is named: none closes enough of the gap to be more than a mimic.");
 }
 
+/* What no term of the model follows, by what it depends on, the largest part first. */
+static void add_discrepancy(json_t *story, const json_t *all) {
+    static const char *const words[][2] = {{"depth_loading", "the depth on the way in"},
+                                           {"depth_unloading", "the depth on the way out"},
+                                           {"time_since_turn", "the time since the plate last turned"},
+                                           {"time_in_run", "the time in the run"}};
+    const json_t *found = json_object_get(all, "discrepancy"), *parts = json_object_get(found, "parts"), *one,
+                 *most = NULL;
+    char force[32];
+    if (!json_is_true(json_object_get(found, "found")))
+        return;
+    for (size_t i = 0; (one = json_array_get(parts, i)) != NULL; i++)
+        if (!most || json_number_at(one, "share") > json_number_at(most, "share"))
+            most = one;
+    for (size_t i = 0; most && i < sizeof words / sizeof *words; i++)
+        if (strcmp(json_text_at(most, "depends_on"), words[i][0]) == 0)
+            add(story, "Most of it depends on %s: %s, rms, %.0f %% of the square of what is left.",
+                words[i][1], force_text(json_number_at(most, "rms_N"), force),
+                100 * json_number_at(most, "share"));
+}
+
 /* ---- what else differs ---- */
 
 static void add_law(json_t *story, const json_t *all) {
@@ -257,6 +279,7 @@ static json_t *tell(const json_t *all) {
     add_law(story, all);
     add_scatter(story, all);
     add_rest(story, all);
+    add_discrepancy(story, all);
     add_classes(story, all);
     return story;
 }

@@ -1,0 +1,51 @@
+/* infer_answer.h: what the posterior says beyond the set of effects: checks, classes, what remains. Internal.
+ */
+#ifndef INFER_ANSWER_H
+#define INFER_ANSWER_H
+
+#include "infer_search.h"
+
+/* ---- predicted from the rest (infer_check.c) ---- */
+
+/* Log probability of each run given the others, of the runs held out given those that are fitted, or of each
+ * eighth of a single run given the rest. All parameters take the best step of the linear problem. */
+typedef struct infer_left_out {
+    size_t n;
+    double *score; /* [n] nats */
+    double rms_N;  /* of what is left of these runs; 0: there is a single one */
+} infer_left_out;
+
+/* Sets held_out or use of a run for a moment. infer_left_out_free, on failure too. */
+palp_status infer_leave_out(const infer_fit *fit, explain_data *data, infer_left_out *out);
+double infer_predicts_better(const infer_left_out *with, const infer_left_out *without,
+                             double *se); /* nats; paired */
+void infer_left_out_free(infer_left_out *left);
+
+/* ---- the law (infer_law.c) ---- */
+
+/* Log odds of the fit's law over the family of the given one, nats; and the law of that family that the
+ * posterior is nearest to. A law without a family, as a spline is: 0, and it stays as it is. */
+palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, const palp_law *given,
+                              palp_law *nearest, double *nats);
+
+/* e->law of the fit at hand; base: the fit of the model as given. */
+palp_status infer_law_find(const infer_search *s, const palp_model *given, palp_explanation *e);
+
+/* ---- the accepted effects (infer_describe.c) ---- */
+
+palp_status infer_describe(infer_search *s, palp_explanation *e);
+
+/* The run of which one is expected to tell most between out->effect and another one of its class.
+ * (infer_next.c) */
+palp_status infer_next_find(const infer_search *full, const infer_search *rest,
+                            const palp_explain_effect *out, palp_explain_next *next);
+
+/* ---- what remains (infer_remains.c) ---- */
+
+/* Zeros, contacts and gains of the runs, each with its evidence. */
+palp_status infer_scatter_find(const infer_search *s, palp_explanation *e);
+
+/* e->discrepancy; s->residual and s->discrepancy are those of the fit at hand. */
+palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e);
+
+#endif

@@ -1,0 +1,106 @@
+/* infer_describe.c: the accepted effects: intervals, evidence, and what would do as well. */
+#include "infer_answer.h"
+#include "base/dense.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* How the evidence of an effect scatters over what is predicted from the rest. */
+static palp_status find_gain(infer_search *s, const infer_search *rest, palp_explain_effect *out) {
+    infer_left_out with, without = {.n = 0};
+    palp_status status = infer_leave_out(&s->fit, &s->data, &with);
+    if (!status)
+        status = infer_leave_out(&rest->fit, &s->data, &without);
+    if (!status)
+        infer_predicts_better(&with, &without, &out->evidence_se);
+    infer_left_out_free(&with);
+    infer_left_out_free(&without);
+    return status;
+}
+
+/* Effects whose odds beside the others at hand are within the threshold of those of effect i. */
+static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *out, palp_explain_next *next) {
+    infer_search rest;
+    palp_status status = infer_search_without(s, i, &rest);
+    out->evidence = status ? 0.0 : s->fit.score - rest.fit.score;
+    if (!status)
+        status = infer_try_all(&rest);
+    out->alike[out->n_class++] = out->effect.id;
+    for (int k = 0; k < PALP_EFFECT_COUNT && !status; k++)
+        if (k != (int)out->effect.id && rest.trial[k].fit.raw &&
+            rest.trial[k].fit.score > s->fit.score - infer_threshold(s->settings))
+            out->alike[out->n_class++] = (palp_effect_id)k;
+    if (!status)
+        status = find_gain(s, &rest, out);
+    if (!status)
+        status = infer_next_find(s, &rest, out, next);
+    if (!status) {
+        const double before = explain_fitted_rms(&s->data, rest.residual),
+                     after = explain_fitted_rms(&s->data, s->residual), noise = s->fit.noise.white;
+        const double gap = before * before - noise * noise;
+        out->gap_closed = gap > 0.0 ? fmin(1.0, fmax(0.0, (before * before - after * after) / gap)) : 0.0;
+    }
+    infer_search_free(&rest);
+    return status == PALP_ERR_STOPPED ? PALP_OK : status;
+}
+
+/* Intervals of 95 %: of a coordinate, from the posterior's curvature. */
+static palp_status find_intervals(const infer_search *s, size_t at, palp_explain_effect *out) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
+    if (status)
+        return status;
+    const size_t first = explain_first_column(&s->fit.c.model, at);
+    double *unit = calloc(p.g, sizeof *unit);
+    for (size_t k = 0; unit && k < palp_effect_look_up(out->effect.id)->n_parameters; k++) {
+        memset(unit, 0, p.g * sizeof *unit);
+        unit[INFER_HATS + first + k] = 1.0;
+        dense_forward(p.g, p.factor, 1, unit);
+        const double x = s->fit.c.x[first + k], reach = 1.96 * sqrt(dense_dot(p.g, unit, unit));
+        const bool logarithmic = s->fit.c.logarithmic[first + k];
+        out->low[k] = logarithmic ? exp(x - reach) : x - reach;
+        out->high[k] = logarithmic ? exp(x + reach) : x + reach;
+    }
+    free(unit);
+    infer_posterior_free(&p);
+    return unit ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+/* The mains' hum: frequency and mean amplitude of the runs' own. */
+static palp_status find_hum(const infer_search *s, palp_explain_effect *out) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
+    double sum = 0.0;
+    for (size_t r = 0; r < s->data.n_runs && !status; r++) {
+        double own[INFER_BLOCK];
+        status = infer_own(&s->fit, &p, r, own, NULL);
+        sum += hypot(own[INFER_SINE], own[INFER_COSINE]) / (double)s->data.n_runs;
+    }
+    infer_posterior_free(&p);
+    const double value[2] = {sum, s->fit.c.hum_Hz};
+    for (int k = 0; k < 2; k++)
+        out->effect.value[k] = out->low[k] = out->high[k] = value[k];
+    return status;
+}
+
+palp_status infer_describe(infer_search *s, palp_explanation *e) {
+    palp_status status = infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
+    for (size_t i = 0; i < infer_added(s) && !status; i++) {
+        const size_t at = s->n_given + i;
+        palp_explain_effect *out = &e->effect[e->n_effects++];
+        *out = (palp_explain_effect){.effect.id = infer_added_id(s, i)};
+        out->recovers = s->fit.c.renewed && explain_may_recover(&s->data, out->effect.id);
+        if (at < s->fit.c.model.n_effects) {
+            out->effect = s->fit.c.model.effects[at];
+            status = find_intervals(s, at, out);
+        } else {
+            status = find_hum(s, out);
+            if (!status && e->model.n_effects < PALP_EFFECTS_MAX)
+                e->model.effects[e->model.n_effects++] = out->effect;
+        }
+        if (!status)
+            status = find_class(s, i, out, &e->next);
+    }
+    return status;
+}

@@ -1,0 +1,157 @@
+/* infer_next.c: the run of which one expects most: what its forces by one set of effects would say against
+ * another set, all that a run has of its own and what the parameters leave open taken into account. */
+#include "infer_answer.h"
+#include "explain/explain_result.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The runs that were measured, and after them those that could be. */
+typedef struct next_runs {
+    explain_data data;
+    explain_path *path; /* [EXPLAIN_PROTOCOLS] */
+    double *force;      /* [EXPLAIN_PROTOCOLS EXPLAIN_PATH] by the other set */
+    unsigned char *use, *phase;
+    bool *done; /* the other set gives a force */
+} next_runs;
+
+static void free_runs(next_runs *next) {
+    free(next->data.run);
+    free(next->path);
+    free(next->force);
+    free(next->use);
+    free(next->done);
+}
+
+static void set_run(next_runs *next, size_t k, const explain_run *like, explain_run *run) {
+    explain_path *p = &next->path[k];
+    unsigned char *phase = next->phase + k * EXPLAIN_PATH;
+    for (size_t i = 1; i < p->n; i++) /* as far as the pace changes */
+        phase[i] = (unsigned char)(1 + (p->depth[i] > p->depth[i - 1]) - (p->depth[i] < p->depth[i - 1]));
+    *run = (explain_run){.n = p->n,
+                         .time = p->time,
+                         .depth = p->depth,
+                         .force = next->force + k * EXPLAIN_PATH,
+                         .use = next->use + k * EXPLAIN_PATH,
+                         .phase = phase,
+                         .session = like->session,
+                         .white = like->white,
+                         .fresh = true,
+                         .specimen = like->specimen,
+                         .held_out = true};
+}
+
+static palp_status make_runs(const explain_data *data, next_runs *next) {
+    const size_t n = data->n_runs, all = n + EXPLAIN_PROTOCOLS;
+    *next = (next_runs){.data = *data,
+                        .path = malloc(EXPLAIN_PROTOCOLS * sizeof *next->path),
+                        .force = calloc((size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH, sizeof *next->force),
+                        .use = calloc(2 * (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH, 1),
+                        .done = calloc(EXPLAIN_PROTOCOLS, sizeof *next->done)};
+    next->data.run = calloc(all, sizeof *next->data.run);
+    if (!next->data.run || !next->path || !next->force || !next->use || !next->done)
+        return PALP_ERR_NO_MEMORY;
+    next->phase = next->use + (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH;
+    memset(next->use, 1, (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH);
+    memcpy(next->data.run, data->run, n * sizeof *data->run);
+    for (size_t k = 0; k < EXPLAIN_PROTOCOLS; k++) {
+        explain_path_find(k, data, &next->path[k]);
+        set_run(next, k, &data->run[n - 1], &next->data.run[n + k]);
+        next->data.n += next->path[k].n;
+        next->data.longest = next->path[k].n > next->data.longest ? next->path[k].n : next->data.longest;
+    }
+    next->data.n_runs = all;
+    return PALP_OK;
+}
+
+/* full's fit with the columns of the new runs too. */
+static palp_status extend(const infer_fit *full, size_t n_runs, const explain_data *data, infer_fit *fit) {
+    palp_status status = infer_fit_create(&full->c.model, data, NULL, fit);
+    if (status)
+        return status;
+    fit->noise = full->noise;
+    fit->sizes = full->sizes;
+    fit->c.hum_Hz = full->c.hum_Hz;
+    fit->c.renewed = full->c.renewed;
+    memcpy(fit->c.x, full->c.x, fit->k * sizeof *fit->c.x);
+    memcpy(fit->given, full->given, fit->k * sizeof *fit->given);
+    memcpy(fit->width, full->width, fit->k * sizeof *fit->width);
+    memcpy(fit->c.contact, full->c.contact, n_runs * sizeof *fit->c.contact);
+    memcpy(fit->c.gain, full->c.gain, n_runs * sizeof *fit->c.gain);
+    status = infer_fit_evaluate(fit, data);
+    if (status)
+        infer_fit_free(fit);
+    return status;
+}
+
+/* Forces of the new runs by the other set. */
+static void predict_other(const infer_fit *other, next_runs *next) {
+    for (size_t k = 0; k < EXPLAIN_PROTOCOLS; k++) {
+        const explain_path *p = &next->path[k];
+        const palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
+        next->done[k] =
+            explain_predict(&other->c.model, &run, next->force + k * EXPLAIN_PATH, NULL, NULL) == PALP_OK;
+    }
+}
+
+static palp_status find_chi2(const infer_fit *fit, const explain_data *data, double *chi2) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(fit, data, &p);
+    *chi2 = status ? 0.0 : p.chi2;
+    infer_posterior_free(&p);
+    return status;
+}
+
+/* Takes the run of which most is expected, if it is more than what *out has. */
+static palp_status compare(const infer_fit *fit, size_t n_runs, next_runs *next, double *most,
+                           palp_explain_next *out) {
+    double before, after, own[EXPLAIN_PATH];
+    palp_status status = find_chi2(fit, &next->data, &before);
+    for (size_t k = 0; k < EXPLAIN_PROTOCOLS && !status; k++) {
+        const explain_path *p = &next->path[k];
+        const palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
+        if (!next->done[k] || explain_predict(&fit->c.model, &run, own, NULL, NULL))
+            continue;
+        next->data.run[n_runs + k].held_out = false;
+        status = find_chi2(fit, &next->data, &after);
+        next->data.run[n_runs + k].held_out = true;
+        if (status || !(0.5 * (after - before) > *most))
+            continue;
+        *most = 0.5 * (after - before);
+        *out = explain_next_of(k, &next->data);
+        out->nats = *most;
+        out->separation_N = explain_separation(p, own, next->force + k * EXPLAIN_PATH);
+    }
+    return status;
+}
+
+palp_status infer_next_find(const infer_search *full, const infer_search *rest,
+                            const palp_explain_effect *out, palp_explain_next *next) {
+    const size_t n_runs = full->data.n_runs;
+    next_runs runs;
+    double most = next->nats;
+    palp_status status = out->n_class > 1 ? make_runs(&full->data, &runs) : PALP_OK;
+    for (size_t c = 1; c < out->n_class && !status; c++) {
+        const infer_trial *t = &rest->trial[out->alike[c]];
+        palp_explain_next found = *next;
+        infer_fit fit;
+        if (!t->fit.raw)
+            continue;
+        predict_other(&t->fit, &runs);
+        status = extend(&full->fit, n_runs, &runs.data, &fit);
+        if (status)
+            break;
+        status = compare(&fit, n_runs, &runs, &most, &found);
+        infer_fit_free(&fit);
+        if (found.nats > next->nats || !next->wanted) {
+            *next = found;
+            next->wanted = true;
+            next->between[0] = out->effect.id;
+            next->between[1] = out->alike[c];
+        }
+    }
+    if (out->n_class > 1)
+        free_runs(&runs);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
