@@ -66,12 +66,20 @@ static infer_noise first_noise(const explain_data *data) {
 palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
                              infer_fit *fit) {
     palp_model splined = *model;
-    memset(fit, 0, sizeof *fit);
     palp_status status = PALP_OK;
-    if (model->kind == PALP_MODEL_LUMPED && model->material.law.kind != PALP_LAW_SPLINE)
+    if (model->material.law.kind != PALP_LAW_SPLINE)
         status = spline_of(&model->material.law, data->deepest / data->height, &splined.material.law);
     if (!status)
-        status = explain_fit_create(&splined, data, &fit->c);
+        status = infer_fit_create_as(&splined, data, like, fit);
+    else
+        memset(fit, 0, sizeof *fit);
+    return status;
+}
+
+palp_status infer_fit_create_as(const palp_model *model, const explain_data *data, const infer_fit *like,
+                                infer_fit *fit) {
+    memset(fit, 0, sizeof *fit);
+    palp_status status = explain_fit_create(model, data, &fit->c);
     if (status)
         return status;
     fit->k = fit->c.n_columns;

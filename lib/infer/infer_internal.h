@@ -111,6 +111,9 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
 
 palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
                              infer_fit *fit);
+/* The same with the model's law as it is. like: of a law with as many coefficients. */
+palp_status infer_fit_create_as(const palp_model *model, const explain_data *data, const infer_fit *like,
+                                infer_fit *fit);
 palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to);
 void infer_fit_free(infer_fit *fit);
 

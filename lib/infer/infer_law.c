@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double SOFTEST = 1e-3; /* of a typical stiffness: where the spline of a law ends */
+
 /* The posterior of the law's coordinates, all others integrated out, and the prior's precision. */
 typedef struct law_posterior {
     size_t n;
@@ -138,6 +140,26 @@ static double log_determinant(size_t n, double *a) {
     return dense_cholesky(n, a) ? dense_log_determinant(n, a) : NAN;
 }
 
+/* Precision m[p p] that the prior of the spline means for the given law's coefficients. */
+static palp_status family_prior(const infer_fit *fit, const explain_data *data, const palp_law *given,
+                                double *m) {
+    const palp_law *knots = &fit->c.model.material.law;
+    const size_t k = fit->k, n = knots->n;
+    double log_det, typical, x[PALP_LAW_MAX], zero[PALP_LAW_MAX] = {0.0}, g[PALP_LAW_MAX],
+                                              slope[PALP_LAW_MAX * PALP_LAW_MAX],
+                                              block[PALP_LAW_MAX * PALP_LAW_MAX];
+    double *q = malloc(k * k * sizeof *q);
+    palp_status status = q ? infer_prior(fit, data, q, &log_det) : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        take_law_block(k, n, q, block);
+        palp_law_stiffness(given, knots->strain[n - 1], &typical, NULL);
+        sample_law(given, knots, SOFTEST * fabs(typical), x, slope);
+        project(n, given->n, block, slope, zero, m, g);
+    }
+    free(q);
+    return status;
+}
+
 /* Posterior over prior density on the family's laws, which are a part of all laws (Dickey 1971); Laplace. The
  * given law is the mean of the prior. */
 palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, const palp_law *given,
@@ -149,16 +171,13 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
         return PALP_OK;
     law_posterior *law = calloc(1, sizeof *law);
     palp_status status = law ? find_law_posterior(fit, data, law) : PALP_ERR_NO_MEMORY;
+    double before[PALP_LAW_MAX * PALP_LAW_MAX], after[PALP_LAW_MAX * PALP_LAW_MAX], typical;
+    if (!status)
+        status = family_prior(fit, data, given, before);
     if (!status) {
         const size_t n = law->n, p = given->n;
-        double typical, x[PALP_LAW_MAX], zero[PALP_LAW_MAX] = {0.0}, slope[PALP_LAW_MAX * PALP_LAW_MAX],
-                                         g[PALP_LAW_MAX], before[PALP_LAW_MAX * PALP_LAW_MAX],
-                                         after[PALP_LAW_MAX * PALP_LAW_MAX];
         palp_law_stiffness(given, knots->strain[n - 1], &typical, NULL);
-        const double least = 1e-3 * fabs(typical);
-        sample_law(given, knots, least, x, slope);
-        project(n, p, law->prior, slope, zero, before, g);
-        const double square = find_nearest(law, knots, least, nearest, after);
+        const double square = find_nearest(law, knots, SOFTEST * fabs(typical), nearest, after);
         *nats = 0.5 * (square + log_determinant(p, after) - log_determinant(p, before) -
                        log_determinant(n, law->precision) + log_determinant(n, law->prior));
         if (!isfinite(*nats)) /* a coefficient that neither prior nor posterior knows */
@@ -168,28 +187,96 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
     return status;
 }
 
-/* rms that the given law and drive leave beside the same effects. */
-static palp_status left_with_given(const infer_search *s, const palp_material *given, const palp_law *nearest,
-                                   bool family, double *rms_N) {
+/* ---- the family's own fit ---- */
+
+/* What the family's fit has of the spline's: all but the law. */
+static void take_state(const infer_fit *from, size_t n_runs, infer_fit *fit) {
+    const size_t law = fit->c.model.material.law.n, was = from->c.model.material.law.n;
+    fit->noise = from->noise;
+    fit->sizes = from->sizes;
+    fit->c.hum_Hz = from->c.hum_Hz;
+    fit->c.renewed = from->c.renewed;
+    memcpy(fit->c.contact, from->c.contact, n_runs * sizeof *fit->c.contact);
+    memcpy(fit->c.gain, from->c.gain, n_runs * sizeof *fit->c.gain);
+    memcpy(fit->given + law, from->given + was, 2 * fit->c.model.material.n_arms * sizeof *fit->given);
+}
+
+/* Log evidence of the family's fit under m, its prior's precision about the given coefficients, in place of
+ * the wide one. */
+static palp_status weigh_family(const infer_fit *fit, const explain_data *data, const palp_law *given,
+                                const double *m, double *score) {
+    enum { N = PALP_LAW_MAX };
+    const size_t k = fit->k, p = given->n;
+    double s[N * N], sum[N * N], prior[N * N], d[N], by_m[N], by_s[N], widths = 0.0;
+    infer_posterior posterior;
+    double *work = malloc(k * k * sizeof *work);
+    palp_status status = work ? infer_posterior_find(fit, data, &posterior) : PALP_ERR_NO_MEMORY;
+    if (!status && !eliminate_others(k, p, posterior.normal, work, s))
+        status = PALP_ERR_SINGULAR;
+    if (work && posterior.memory)
+        infer_posterior_free(&posterior);
+    free(work);
+    if (status)
+        return status;
+    for (size_t a = 0; a < p; a++) {
+        d[a] = fit->c.x[a] - given->coefficients[a];
+        widths += log(fit->width[a]);
+    }
+    for (size_t a = 0; a < p * p; a++) {
+        prior[a] = m[a];
+        sum[a] = s[a] + m[a];
+    }
+    dense_times(p, p, 1.0, m, d, 0.0, by_m);
+    dense_times(p, p, 1.0, s, d, 0.0, by_s);
+    const double log_m = log_determinant(p, prior), log_s = log_determinant(p, s),
+                 log_sum = log_determinant(p, sum);
+    if (isfinite(log_sum))
+        dense_cholesky_solve(p, sum, 1, by_m);
+    *score = fit->score + widths + 0.5 * (log_m + log_s - log_sum - dense_dot(p, by_s, by_m));
+    return isfinite(*score) ? PALP_OK : PALP_ERR_SINGULAR;
+}
+
+/* The fit at hand with the family's law that is nearest, and with the given drive; the rms that it leaves. */
+static palp_status fit_given(const infer_search *s, const palp_material *given, const palp_law *law,
+                             infer_fit *fit, double *rms_N) {
     palp_model model = s->fit.c.model;
-    infer_fit fit;
     model.material.quasi_linear = given->quasi_linear;
-    if (family)
-        model.material.law = *nearest; /* a spline follows it */
+    model.material.law = *law;
     double *work = malloc(2 * s->data.n * sizeof *work);
-    palp_status status = work ? infer_fit_create(&model, &s->data, &s->fit, &fit) : PALP_ERR_NO_MEMORY;
+    palp_status status = work ? infer_fit_create_as(&model, &s->data, NULL, fit) : PALP_ERR_NO_MEMORY;
     if (!status) {
-        for (size_t a = 0; a < fit.c.model.material.law.n && family; a++)
-            fit.c.low[a] = fit.c.high[a] = fit.c.x[a];
-        status = infer_fit_improve(&fit, &s->data, 5);
+        take_state(&s->fit, s->data.n_runs, fit);
+        status = infer_fit_improve(fit, &s->data, 8);
         if (!status)
-            status = infer_residual(&fit, &s->data, work, work + s->data.n);
+            status = infer_noise_learn(fit, &s->data, 60);
+        if (!status)
+            status = infer_residual(fit, &s->data, work, work + s->data.n);
         if (!status)
             *rms_N = explain_fitted_rms(&s->data, work);
-        infer_fit_free(&fit);
+        if (status)
+            infer_fit_free(fit);
     }
     free(work);
-    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    return status;
+}
+
+/* What the spline is worth over the family's own fit: a family need not be the spline at its knots. */
+static palp_status compare_fits(const infer_search *s, const palp_material *given, const palp_law *nearest,
+                                double *nats, double *rms_N) {
+    double m[PALP_LAW_MAX * PALP_LAW_MAX], score;
+    infer_fit fit;
+    palp_status status = family_prior(&s->fit, &s->data, &given->law, m);
+    palp_material driven = *given;
+    driven.quasi_linear = s->fit.c.model.material.quasi_linear;
+    if (!status)
+        status = fit_given(s, &driven, nearest, &fit, rms_N);
+    if (status)
+        return status;
+    status = weigh_family(&fit, &s->data, &given->law, m, &score);
+    if (!status)
+        *nats = s->fit.score - score;
+    infer_fit_free(&fit);
+    return status;
 }
 
 palp_status infer_law_find(const infer_search *s, const palp_model *given, palp_explanation *e) {
@@ -197,12 +284,19 @@ palp_status infer_law_find(const infer_search *s, const palp_model *given, palp_
     const bool driven = s->fit.c.model.material.quasi_linear != given->material.quasi_linear;
     palp_law nearest;
     double nats;
+    e->law.without_N = e->gap.after_N;
     palp_status status = infer_law_compare(&s->fit, &s->data, &given->material.law, &nearest, &nats);
-    if (status)
-        return status;
+    if (!status && nats > threshold)
+        status = compare_fits(s, &given->material, &nearest, &nats, &e->law.without_N);
     const bool family = nats > threshold;
     e->law.found = driven || family;
-    e->law.without_N = e->gap.after_N;
     e->law.evidence = (driven ? s->drive_gain : 0.0) + (family ? nats : 0.0);
-    return e->law.found ? left_with_given(s, &given->material, &nearest, family, &e->law.without_N) : PALP_OK;
+    if (!status && driven) {
+        infer_fit fit;
+        status = fit_given(s, &given->material, family ? &nearest : &s->fit.c.model.material.law, &fit,
+                           &e->law.without_N);
+        if (!status)
+            infer_fit_free(&fit);
+    }
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
