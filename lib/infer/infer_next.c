@@ -95,32 +95,44 @@ static void predict_other(const infer_fit *other, next_runs *next) {
     }
 }
 
-static palp_status find_chi2(const infer_fit *fit, const explain_data *data, double *chi2) {
+/* chi2 of all runs that were measured and of run r, if that records what this fit predicts (own) or what the
+ * other set does. */
+static palp_status find_chi2(const infer_fit *fit, next_runs *next, size_t r, bool own, double *chi2) {
+    const size_t m = fit->m;
+    double *product = fit->product + r * m * m, *was = malloc(m * m * sizeof *was);
     infer_posterior p;
-    palp_status status = infer_posterior_find(fit, data, &p);
+    if (!was)
+        return PALP_ERR_NO_MEMORY;
+    memcpy(was, product, m * m * sizeof *was);
+    for (size_t a = 0; a < m && own; a++)
+        product[a * m + m - 1] = product[(m - 1) * m + a] = 0.0;
+    next->data.run[r].held_out = false;
+    palp_status status = infer_posterior_find(fit, &next->data, &p);
+    next->data.run[r].held_out = true;
+    memcpy(product, was, m * m * sizeof *was);
+    free(was);
     *chi2 = status ? 0.0 : p.chi2;
     infer_posterior_free(&p);
     return status;
 }
 
 /* Takes the run of which most is expected, if it is more than what *out has. */
-static palp_status compare(const infer_fit *fit, size_t n_runs, next_runs *next, double *most,
-                           palp_explain_next *out) {
-    double before, after, own[EXPLAIN_PATH];
-    palp_status status = find_chi2(fit, &next->data, &before);
+static palp_status compare(const infer_fit *fit, size_t n_runs, next_runs *next, palp_explain_next *out) {
+    double by_own, by_other, own[EXPLAIN_PATH];
+    palp_status status = PALP_OK;
     for (size_t k = 0; k < EXPLAIN_PROTOCOLS && !status; k++) {
         const explain_path *p = &next->path[k];
         const palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
         if (!next->done[k] || explain_predict(&fit->c.model, &run, own, NULL, NULL))
             continue;
-        next->data.run[n_runs + k].held_out = false;
-        status = find_chi2(fit, &next->data, &after);
-        next->data.run[n_runs + k].held_out = true;
-        if (status || !(0.5 * (after - before) > *most))
+        status = find_chi2(fit, next, n_runs + k, true, &by_own);
+        if (!status)
+            status = find_chi2(fit, next, n_runs + k, false, &by_other);
+        const double nats = 0.5 * (by_other - by_own);
+        if (status || !(nats > out->nats))
             continue;
-        *most = 0.5 * (after - before);
         *out = explain_next_of(k, &next->data);
-        out->nats = *most;
+        out->nats = nats;
         out->separation_N = explain_separation(p, own, next->force + k * EXPLAIN_PATH);
     }
     return status;
@@ -130,7 +142,6 @@ palp_status infer_next_find(const infer_search *full, const infer_search *rest,
                             const palp_explain_effect *out, palp_explain_next *next) {
     const size_t n_runs = full->data.n_runs;
     next_runs runs;
-    double most = next->nats;
     palp_status status = out->n_class > 1 ? make_runs(&full->data, &runs) : PALP_OK;
     for (size_t c = 1; c < out->n_class && !status; c++) {
         const infer_trial *t = &rest->trial[out->alike[c]];
@@ -142,7 +153,7 @@ palp_status infer_next_find(const infer_search *full, const infer_search *rest,
         status = extend(&full->fit, n_runs, &runs.data, &fit);
         if (status)
             break;
-        status = compare(&fit, n_runs, &runs, &most, &found);
+        status = compare(&fit, n_runs, &runs, &found);
         infer_fit_free(&fit);
         if (found.nats > next->nats || !next->wanted) {
             *next = found;

@@ -20,6 +20,12 @@ static void add_scalar(pair *s, double sd, double mean, double variance) {
     s->expected += 1.0 / prior - variance / (prior * prior);
 }
 
+/* Each file that tells how exact its contact is counts as one contact more, off by so much. */
+static void add_told(pair *s, double sd, const explain_data *data) {
+    for (size_t i = 0; sd > 0.0 && i < data->n_contact_told; i++)
+        add_scalar(s, sd, data->contact_told, 0.0);
+}
+
 /* One domain's hats: mean[NODES], covariance v with rows of n. */
 static void add_hats(pair s[INFER_LENGTHS], const double size[INFER_LENGTHS], const double *mean,
                      const double *v, size_t n) {
@@ -91,6 +97,7 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
             add_hats(each[d], fit->sizes.each[d], mean + at, covariance + at * B + at, B);
         }
     }
+    add_told(&own[INFER_CONTACT], fit->sizes.own[INFER_CONTACT], data);
     memset(all, 0, g * g * sizeof *all);
     for (size_t a = 0; a < g; a++)
         all[a * g + a] = 1.0;

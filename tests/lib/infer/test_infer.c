@@ -97,7 +97,102 @@ START_TEST(quasi_linear_arms_are_another_law) {
     ask(1, 1, &e);
     ck_assert_uint_eq(e.n_effects, 0);
     ck_assert(e.law.found);
+    ck_assert_double_gt(e.law.evidence, 3);
+    ck_assert_double_gt(e.law.without_N, e.gap.after_N);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_ANOTHER_LAW);
     ck_assert(e.model.material.quasi_linear);
+    palp_explanation_free(&e);
+    forget();
+}
+END_TEST
+
+/* The steps tell what was taken and how the others fared; the last has none. */
+START_TEST(steps_tell_the_search) {
+    palp_model truth = with(1);
+    palp_explanation e;
+    record(&truth, 1, 1);
+    ask(1, 1, &e);
+    ck_assert_uint_ge(e.n_steps, 2);
+    ck_assert_int_eq(e.step[0].taken, PALP_EFFECT_SENSOR_LAG);
+    ck_assert_int_eq(e.step[e.n_steps - 1].taken, PALP_EFFECT_COUNT);
+    ck_assert_uint_eq(e.step[0].n_candidates, PALP_EFFECT_COUNT);
+    size_t accepted = 0;
+    double most = 0;
+    for (size_t k = 0; k < e.n_candidates; k++) {
+        const palp_explain_candidate *c = &e.candidate[k];
+        accepted += c->accepted;
+        ck_assert(c->accepted == (c->id == PALP_EFFECT_SENSOR_LAG));
+        ck_assert(c->accepted || c->reason[0]);
+        ck_assert_double_le(c->share, 1);
+        most = fmax(most, c->identifiable ? c->score : 0);
+        if (c->accepted)
+            ck_assert_double_gt(c->explained_N, 2e-3);
+        if (c->id == PALP_EFFECT_SESSION_AGEING) /* no file says when its run began */
+            ck_assert(!c->identifiable);
+    }
+    ck_assert_uint_eq(accepted, 1);
+    ck_assert_double_gt(most, 10);
+    ck_assert_double_gt(e.effect[0].evidence_se, 0);
+    ck_assert_double_gt(e.gap.heldout_before_N, 2 * e.gap.heldout_after_N);
+    ck_assert_double_eq_tol(e.gap.heldout_after_N, 2e-3, 4e-4);
+    ck_assert(e.discrepancy.known);
+    ck_assert(!e.discrepancy.found);
+    palp_explanation_free(&e);
+    forget();
+}
+END_TEST
+
+static void share_done(void *user, double share) {
+    *(double *)user += share;
+}
+
+/* A law beyond the family of the given one, and nothing else; the work that is told is 1 in all. */
+START_TEST(a_law_of_another_family_is_its_own_word) {
+    static const double truth_N[] = {8, 0, 200}, given_N[] = {9, 3};
+    palp_model m = lumped_model(1);
+    palp_explanation e;
+    palp_explain_settings s = palp_explain_settings_default();
+    double done = 0;
+    s.progress = share_done;
+    s.progress_user = &done;
+    ck_assert_int_eq(palp_law_polynomial(3, truth_N, &m.material.law), PALP_OK);
+    record(&m, 1, 1);
+    ck_assert_int_eq(palp_law_polynomial(2, given_N, &m.material.law), PALP_OK);
+    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+    ck_assert_int_eq(e.verdict, PALP_EXPLAIN_ANOTHER_LAW);
+    ck_assert_int_eq(e.base.material.law.kind, PALP_LAW_POLYNOMIAL);
+    ck_assert_double_gt(e.law.without_N, 1.1 * e.gap.after_N);
+    ck_assert_double_eq_tol(done, 1, 1e-9);
+    palp_explanation_free(&e);
+    forget();
+}
+END_TEST
+
+/* Contacts that are known have no scatter and no offset; of the others it is found. */
+START_TEST(contacts_may_be_known) {
+    static const double by_m[RUNS] = {1e-4, -1.5e-4, 0.5e-4, -1e-4};
+    palp_model m = lumped_model(1);
+    palp_explanation e;
+    palp_explain_settings s = palp_explain_settings_default();
+    s.max_effects = 0;
+    record(&m, 1, 1);
+    for (size_t r = 0; r < RUNS; r++) {
+        double *depth_mm =
+            palp_experiment_column((palp_experiment *)(uintptr_t)input[r].experiment, "depth_mm");
+        for (size_t i = 0; i < EACH; i++)
+            depth_mm[i] += 1e3 * by_m[r];
+    }
+    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+    ck_assert(e.contact.found);
+    ck_assert_double_gt(e.contact.evidence, 10);
+    ck_assert_double_gt(e.contact.without_N, 1.5 * e.gap.after_N);
+    ck_assert_double_eq_tol(e.contact.sd, 1e-4, 6e-5);
+    palp_explanation_free(&e);
+    s.contact = PALP_CONTACT_KNOWN;
+    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+    ck_assert_double_eq(e.contact.sd, 0);
+    ck_assert(!e.contact.found);
+    ck_assert_double_gt(e.gap.after_N, 3e-3); /* nothing takes it in whole */
     palp_explanation_free(&e);
     forget();
 }
@@ -217,11 +312,8 @@ START_TEST(what_it_cannot_do_is_refused) {
     palp_explain_settings s = palp_explain_settings_default();
     record(&m, 1, 1);
     ck_assert_int_eq(palp_infer(&m, 0, input, &s, &e, NULL), PALP_ERR_ARGUMENT);
-    s.contact = PALP_CONTACT_KNOWN;
-    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_ERR_UNSUPPORTED);
-    s.contact = PALP_CONTACT_FREE;
-    m.kind = PALP_MODEL_NETWORK;
-    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_ERR_UNSUPPORTED);
+    s.max_effects = PALP_EFFECTS_MAX;
+    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_ERR_LIMIT);
     forget();
 }
 END_TEST
@@ -230,6 +322,9 @@ void tests(TCase *tc) {
     tcase_add_test(tc, nothing_hidden_nothing_named);
     tcase_add_loop_test(tc, a_hidden_effect_is_named_with_its_interval, 0, sizeof hidden / sizeof *hidden);
     tcase_add_test(tc, quasi_linear_arms_are_another_law);
+    tcase_add_test(tc, steps_tell_the_search);
+    tcase_add_test(tc, a_law_of_another_family_is_its_own_word);
+    tcase_add_test(tc, contacts_may_be_known);
     tcase_add_test(tc, units_change_nothing);
     tcase_add_loop_test(tc, a_solid_is_found_from_nothing, 0, 2);
     tcase_add_test(tc, so_many_arms_as_asked_for);

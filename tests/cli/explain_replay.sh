@@ -1,0 +1,86 @@
+#!/bin/sh
+# explain_replay.sh: the model that explain writes, simulated along the runs, leaves what explain said, and needs gains
+# that average 1. Each run has a zero, a gain and a contact of its own, as explain gives it.
+. tests/cli/common
+
+rows() { grep '^[-+0-9]' "$1"; }
+lower() { awk -F, -v by="$3" '/^[-+0-9]/ { printf "%s,%.12g,%s\n", $1, $2 - by, $3; next } { print }' "$1" >"$2"; }
+
+# follow MODEL RUN CONTACT OUT: forces along the run, its surface so many mm deeper
+follow() {
+    lower "$2" like.csv "$3"
+    rm -f along.csv
+    expect 0 simulate "$1" --like like.csv --out along.csv
+    rows along.csv | cut -d, -f3 >"$4"
+}
+
+# own RUN HERE DEEPER: zero, gain, step of the contact (mm), squares left and samples by least squares
+own() {
+    rows "$1" | cut -d, -f3 | paste -d, - "$2" "$3" | awk -F, '
+        { x[0] = 1; x[1] = $2; x[2] = ($3 - $2) / 0.001; x[3] = $1; n++
+          for (i = 0; i < 4; i++) for (j = 0; j < 4; j++) a[i, j] += x[i] * x[j] }
+        END { for (k = 0; k < 3; k++) for (i = 0; i < 4; i++) if (i != k) {
+                  f = a[i, k] / a[k, k]
+                  for (j = 0; j < 4; j++) a[i, j] -= f * a[k, j] }
+              g = a[1, 3] / a[1, 1]
+              print a[0, 3] / a[0, 0], g, a[2, 3] / a[2, 2] / g, a[3, 3], n }'
+}
+
+# replay NAME RUN...: of NAME.json and NAME.out
+replay() {
+    name=$1
+    shift
+    : >own
+    for run in "$@"; do
+        contact=0
+        for round in 1 2 3; do
+            follow $name.json "$run" "$contact" here
+            follow $name.json "$run" "$(awk -v c="$contact" 'BEGIN { print c + 0.001 }')" deeper
+            set_of=$(own "$run" here deeper)
+            contact=$(echo "$contact $set_of" | awk '{ print $1 + $4 }')
+        done
+        echo "$set_of" >>own
+    done
+    near "$name: gains of the replay" "$(awk '{ g += $2 } END { print g / NR }' own)" 1 0.01
+    near "$name: what the replay leaves" "$(awk '{ s += $4; n += $5 } END { print sqrt(s / n) }' own)" \
+        "$(value $name.out after_N)" 0.05
+}
+
+# model COEFFICIENTS EFFECTS >FILE
+model() {
+    cat <<J
+{"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 24},
+ "stiffness": {"kind": "polynomial", "coefficients_N": [$1]},
+ "arms": [{"stiffness_N": 2.1, "viscosity_Ns": 12}], "effects": [$2], "formulation": "history"}
+J
+}
+
+# runs NAME: presses, then zeros, gains and contacts of their own
+runs() {
+    n=0
+    for press in "4 1 0.03 1.03 0.05" "6 2 -0.01 0.98 -0.04" "7 0.5 0.02 1.01 0.02" "5 1 -0.03 0.97 -0.06"; do
+        set -- "$1" $press
+        n=$((n + 1))
+        expect 0 simulate true.json --protocol ramp_hold --depth-mm $2 --ramp-s $3 --hold-s 20 --sample-Hz 40 \
+            --air-s 3 --noise-N 0.004 --seed $n --out plain.csv
+        awk -F, -v z=$4 -v g=$5 -v c=$6 '/^[-0-9]/ { printf "%s,%.9g,%.9g\n", $1, $2 + c, z + g * $3; next } { print }' \
+            plain.csv >$1$n.csv
+        rm plain.csv
+    done
+}
+
+model "8.2, 3.1" "" >guess.json
+
+# Another law, and an effect beside one that the given model has already.
+model "5.2, 0.5, 90" "" >true.json
+runs law
+expect 0 explain --likelihood --model guess.json law?.csv --result law.out --out law.json
+grep -q '"verdict": "another_law"' law.out || fail "another law: $(cat out)"
+replay law law?.csv
+
+model "8.2, 3.1" '{"id": "sensor_lag", "parameters": {"time_s": 0.1}}' >true.json
+runs lag
+expect 0 explain --likelihood --model guess.json lag?.csv --result lag.out --out lag.json
+grep -q '"id": "sensor_lag"' lag.json || fail "a lag: $(cat out)"
+replay lag lag?.csv
+done_testing

@@ -1,0 +1,169 @@
+/* test_infer_answer.c: what is left out, the next run and the law's family, from fits made by hand. */
+#include "forward_make.h"
+#include "infer/infer_answer.h"
+
+#include <palpate/random.h>
+#include <stdlib.h>
+
+enum { RUNS = 3, EACH = 120 };
+
+static palp_explain_input input[RUNS];
+
+static void record(const palp_model *m, size_t n_runs) {
+    static samples s;
+    uint64_t noise = 9;
+    for (size_t r = 0; r < n_runs; r++) {
+        start(&s, 0, -1);
+        for (size_t i = 1; i < EACH; i++) {
+            const double up = (double)i / (15 + 10 * (double)r), down = (EACH - 10.0 - (double)i) / 25;
+            s.time_s[i] = 0.05 * (double)i;
+            s.depth_m[i] = 1e-3 * fmax(-1, 6 * fmin(1, fmin(up, down)) - 1);
+        }
+        s.n = EACH;
+        press_model(m, &s);
+        for (size_t i = 0; i < EACH; i++)
+            s.force_N[i] += 5e-3 * palp_random_normal(&noise);
+        input[r] = (palp_explain_input){samples_experiment(&s), "run.csv"};
+    }
+}
+
+static void begin(palp_model *m, size_t n_runs, const palp_explain_settings *settings, infer_search *s) {
+    *s = (infer_search){.settings = settings};
+    record(m, n_runs);
+    ck_assert_int_eq(explain_data_create(n_runs, input, settings, m, &s->data, NULL), PALP_OK);
+    ck_assert_int_eq(infer_fit_create(m, &s->data, NULL, &s->fit), PALP_OK);
+    ck_assert_int_eq(infer_fit_evaluate(&s->fit, &s->data), PALP_OK);
+    ck_assert_int_eq(infer_fit_settle(&s->fit, &s->data, 2, true), PALP_OK);
+}
+
+static void end(infer_search *s, size_t n_runs) {
+    infer_search_free(s);
+    explain_data_free(&s->data);
+    for (size_t r = 0; r < n_runs; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+/* A run's score given the others is what the evidence of all runs has beyond that of the others. */
+START_TEST(a_run_left_out_has_the_evidence_it_adds) {
+    const palp_explain_settings settings = palp_explain_settings_default();
+    palp_model m = lumped_model(1);
+    infer_search s;
+    infer_left_out left;
+    begin(&m, RUNS, &settings, &s);
+    ck_assert_int_eq(infer_leave_out(&s.fit, &s.data, &left), PALP_OK);
+    ck_assert_uint_eq(left.n, RUNS);
+    ck_assert_double_eq_tol(left.rms_N, 5e-3, 1e-3);
+    const double all = s.fit.score;
+    for (size_t r = 0; r < RUNS; r++) {
+        s.data.run[r].held_out = true;
+        ck_assert_int_eq(infer_fit_products(&s.fit, &s.data), PALP_OK);
+        ck_assert_int_eq(infer_fit_score(&s.fit, &s.data), PALP_OK);
+        ck_assert_double_eq_tol(left.score[r], all - s.fit.score, 1e-6 * fabs(all));
+        s.data.run[r].held_out = false;
+    }
+    infer_left_out_free(&left);
+    end(&s, RUNS);
+}
+END_TEST
+
+/* A run that the user keeps out is the only one that is predicted; a single one is, by eighths. */
+START_TEST(what_is_left_out_depends_on_the_runs) {
+    const palp_explain_settings settings = palp_explain_settings_default();
+    palp_model m = lumped_model(1);
+    infer_search s;
+    infer_left_out left, other;
+    double se;
+    begin(&m, RUNS, &settings, &s);
+    s.data.run[1].held_out = true;
+    ck_assert_int_eq(infer_leave_out(&s.fit, &s.data, &left), PALP_OK);
+    ck_assert_uint_eq(left.n, 1);
+    ck_assert(s.data.run[1].held_out);
+    infer_left_out_free(&left);
+    end(&s, RUNS);
+    begin(&m, 1, &settings, &s);
+    ck_assert_int_eq(infer_leave_out(&s.fit, &s.data, &left), PALP_OK);
+    ck_assert_uint_eq(left.n, 8);
+    for (size_t i = 0; i < EACH; i++)
+        ck_assert(s.data.run[0].use[i]);
+    s.fit.noise.white *= 5; /* a worse model of the noise predicts worse */
+    ck_assert_int_eq(infer_fit_products(&s.fit, &s.data), PALP_OK);
+    ck_assert_int_eq(infer_fit_score(&s.fit, &s.data), PALP_OK);
+    ck_assert_int_eq(infer_leave_out(&s.fit, &s.data, &other), PALP_OK);
+    ck_assert_double_gt(infer_predicts_better(&left, &other, &se), 10);
+    ck_assert_double_gt(se, 0);
+    infer_left_out_free(&left);
+    infer_left_out_free(&other);
+    end(&s, 1);
+}
+END_TEST
+
+/* The next run between two sets tells more the further they are apart, and nothing where they are alike. */
+START_TEST(the_next_run_tells_two_sets_apart) {
+    const palp_explain_settings settings = palp_explain_settings_default();
+    palp_model m = lumped_model(1);
+    infer_search s;
+    double nats[3];
+    begin(&m, RUNS, &settings, &s);
+    for (int i = 0; i < 3; i++) {
+        infer_search *rest = calloc(1, sizeof *rest);
+        palp_model other = s.fit.c.model;
+        palp_explain_effect out = {.effect.id = PALP_EFFECT_SENSOR_LAG, .n_class = 2};
+        palp_explain_next next = {.wanted = false};
+        out.alike[0] = PALP_EFFECT_SENSOR_LAG;
+        out.alike[1] = PALP_EFFECT_POROELASTIC;
+        other.material.arms[0].stiffness_N *= 1 + 0.2 * i;
+        ck_assert_int_eq(infer_fit_create(&other, &s.data, NULL, &rest->trial[PALP_EFFECT_POROELASTIC].fit),
+                         PALP_OK);
+        ck_assert_int_eq(infer_next_find(&s, rest, &out, &next), PALP_OK);
+        ck_assert(next.wanted);
+        nats[i] = next.nats;
+        if (i > 0) {
+            ck_assert_ptr_nonnull(next.kind);
+            ck_assert_double_gt(next.separation_N, 0);
+            ck_assert_int_eq(next.between[1], PALP_EFFECT_POROELASTIC);
+        }
+        infer_trials_free(rest);
+        free(rest);
+    }
+    ck_assert_double_lt(nats[0], 1e-3);
+    ck_assert_double_gt(nats[1], 0.1);
+    ck_assert_double_gt(nats[2], 2 * nats[1]);
+    end(&s, RUNS);
+}
+END_TEST
+
+/* The family of the given law is refuted where the runs show another one, and only there. */
+START_TEST(a_family_is_refuted_by_its_runs) {
+    static const double coefficient_N[] = {8, 3};
+    const palp_explain_settings settings = palp_explain_settings_default();
+    palp_model m = lumped_model(1);
+    palp_law given, nearest;
+    infer_search s;
+    double nats;
+    begin(&m, RUNS, &settings, &s);
+    ck_assert_int_eq(infer_law_compare(&s.fit, &s.data, &m.material.law, &nearest, &nats), PALP_OK);
+    ck_assert_double_lt(nats, 3);
+    for (double strain = 0.02; strain < 0.2; strain += 0.02) {
+        double near, far;
+        palp_law_stiffness(&nearest, strain, &near, NULL);
+        palp_law_stiffness(&m.material.law, strain, &far, NULL);
+        ck_assert_double_eq_tol(near, far, 0.02 * far);
+    }
+    ck_assert_int_eq(palp_law_polynomial(2, coefficient_N, &given), PALP_OK);
+    given.coefficients[1] = -10;
+    ck_assert_int_eq(infer_law_compare(&s.fit, &s.data, &given, &nearest, &nats), PALP_OK);
+    ck_assert_uint_eq(nearest.n, 2);
+    ck_assert_double_gt(fabs(nearest.coefficients[1] + 10), 1); /* it was fitted */
+    ck_assert_int_eq(infer_law_compare(&s.fit, &s.data, &s.fit.c.model.material.law, &nearest, &nats),
+                     PALP_OK);
+    ck_assert_double_eq(nats, 0); /* a spline is no family */
+    end(&s, RUNS);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, a_run_left_out_has_the_evidence_it_adds);
+    tcase_add_test(tc, what_is_left_out_depends_on_the_runs);
+    tcase_add_test(tc, the_next_run_tells_two_sets_apart);
+    tcase_add_test(tc, a_family_is_refuted_by_its_runs);
+}
