@@ -11,11 +11,13 @@
 extern "C" {
 #endif
 
-/* As palp_explain, for a lumped model. Its law becomes a spline of 16 knots, whose smoothness the runs tell.
- * Of the explanation it leaves the steps, the next run and the specimens at 0;
- * candidate.score and evidence are log odds and gains of log evidence, nats. Settings that it uses:
- * max_effects, false_alarm, candidate, held_out, loop, stop, good_enough. It does not report
- * progress. ERR_UNSUPPORTED: a network, or contacts that are known or common. */
+/* As palp_explain. The model's law becomes a spline of 16 knots, whose smoothness the runs tell; base has the
+ * law of the given family that is nearest. Of the explanation it leaves the specimens at 0.
+ * candidate.score and evidence are log odds and gains of log evidence, nats; candidate.share is how much of
+ * the prior variance of its strength the runs take away, and one that keeps half of it is not identifiable.
+ * evidence_se is paired over what is left out in turn: each run, or each eighth of a single one. An effect
+ * that does not help to predict that is not accepted. Settings that it does not use: repeatability,
+ * contact_scatter_m, seed. */
 PALP_API palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, palp_explanation *explanation,
                                 palp_error *error);

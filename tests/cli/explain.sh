@@ -64,6 +64,13 @@ near "common contact" "$(value off.out offset_mm)" 0.078 0.082
 expect 0 explain --model guess.json off?.csv --contact known --candidates contact_offset,sensor_bias --result off.out
 ! grep -q '"id": "contact_offset"' off.out || fail "a known contact is accused: $(cat out)"
 expect 2 explain --model guess.json off?.csv --contact auto
+expect 0 explain --likelihood --model guess.json off?.csv --contact common --candidates contact_offset,sensor_bias \
+    --result off.out
+grep -q '"verdict": "explained"' off.out || fail "--contact common, by the likelihood: $(cat out)"
+near "common contact by the likelihood" "$(value off.out offset_mm)" 0.08 0.05
+expect 0 explain --likelihood --model guess.json off?.csv --contact known --candidates contact_offset,sensor_bias \
+    --result off.out
+! grep -q '"id": "contact_offset"' off.out || fail "a known contact is accused by the likelihood: $(cat out)"
 
 # A file's contact.sd_mm is what its contact is expected to be off by.
 for n in 1 2 3 4; do
@@ -74,6 +81,10 @@ expect 0 explain --model guess.json told?.csv --max-effects 0 --result told.out
 grep -q '"verdict": "agrees"' told.out || fail "contacts of which a file says how exact they are: $(cat out)"
 awk -v a="$(value told.out contact_scatter_mm)" -v b="$(value plain.out contact_scatter_mm)" 'BEGIN { exit !(a > 0.05 && a > 5 * b) }' ||
     fail "contact.sd_mm is not what is expected: $(value told.out contact_scatter_mm), $(value plain.out contact_scatter_mm) mm without"
+
+expect 0 explain --likelihood --model guess.json told?.csv --max-effects 0 --result told.out
+awk -v a="$(value told.out contact_scatter_mm)" 'BEGIN { exit !(a > 0.05) }' ||
+    fail "contact.sd_mm by the likelihood: $(value told.out contact_scatter_mm) mm"
 
 # The bias by hand: every force 0.06 N up.
 for n in 1 2 3 4; do

@@ -40,13 +40,20 @@ grep -q '"verdict": "explained"' lag.out || fail "a hidden lag: $(cat out)"
 near "the lag" "$(sed -n 's/.*"time_s": *\([0-9.]*\).*/\1/p' lag_explained.json)" 0.08 0.03
 grep -q '"kind": "network"' lag_explained.json || fail "what comes out is no network"
 
+expect 0 explain --likelihood --model guess.json true?.csv $some --result true.out
+grep -q '"verdict": "agrees"' true.out || fail "nothing hidden, by the likelihood: $(cat out)"
+expect 0 explain --likelihood --model guess.json lag?.csv $some --result lag.out --out lag_likely.json
+grep -q '"verdict": "explained"' lag.out || fail "a hidden lag, by the likelihood: $(cat out)"
+near "the lag by the likelihood" "$(sed -n 's/.*"time_s": *\([0-9.]*\).*/\1/p' lag_likely.json)" 0.08 0.03
+
 # The explained network runs, and does what the one with the lag does.
-for model in lag lag_explained; do
+for model in lag lag_explained lag_likely; do
     expect 0 simulate $model.json --protocol ramp_hold --depth-mm 7 --ramp-s 0.7 --hold-s 5 --sample-Hz 50 \
         --out again_$model.csv --json
     value out peak_force_N >>peaks
 done
 near "its peak" "$(sed -n 2p peaks)" "$(sed -n 1p peaks)" 0.003
+near "its peak by the likelihood" "$(sed -n 3p peaks)" "$(sed -n 1p peaks)" 0.003
 
 # Plates that slip are something that only a network can tell.
 runs slip

@@ -46,7 +46,7 @@ static int parse(int argc, char **argv, explain_options *o) {
                    "(default 0: none)"),
         cli_flag("likelihood", &o->likelihood,
                  "believe effects by the odds of one likelihood, in which the model's own misfit\n"
-                 "has a part (doc/likelihood.md); it is to replace the rules. Lumped models only"),
+                 "has a part (doc/likelihood.md); it is to replace the rules"),
         cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
         cli_heading("Output"),
         cli_out("out", "EXPLAINED.json", &o->out, "the model with the effects"),

@@ -329,7 +329,7 @@ function verdict(r) {
   const [first, ...others] = list(r.sentences), box = element("div.verdict", element("b", first ?? r.verdict));
   box.classList.add(r.verdict);
   others.forEach((sentence, i) => box.append(paragraph(sentence), ...(i === 0 ? list(r.effects).map(e => effect_in_short(r, e)) : [])));
-  if (r.verdict === "suspected") box.append(...ranked(r));
+  if (r.verdict === "suspected" || r.verdict === "unexplained") box.append(...ranked(r));
   return box;
 }
 
