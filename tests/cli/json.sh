@@ -73,6 +73,10 @@ for ramp in "4 1" "6 2" "7 0.5" "4 1"; do
 done
 expect 0 explain --model guess.json power_?.csv --candidates power_law_relaxation,poroelastic,relaxation_arm --next next.json --json && mv out explain_power.json
 [ -s next.json ] || fail "no next experiment: $(grep verdict explain_power.json)"
+# The likelihood with few samples: it cannot tell them apart either.
+expect 0 explain --likelihood --every 6 --false-alarm 0.01 --model guess.json power_?.csv --candidates power_law_relaxation,poroelastic,relaxation_arm \
+    --json && mv out explain_likely.json
+grep -q '"nats"' explain_likely.json || fail "no next experiment by the likelihood: $(grep verdict explain_likely.json)"
 expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --degree 2 --steps 2000 --out static.json --json && mv out cal_static.json
 expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --law spline --knots 4 --steps 2000 --out spline.json --json && mv out cal_spline.json
 expect 0 calibrate $L --nodes 3 --stage all --depth-mm 4 --degree 2 --steps 500 --hold-s 20 --out all.json --json --result fit_calibrate.json && mv out cal_all.json
@@ -91,7 +95,7 @@ expect 0 calibrate $L --stage relaxation --start lattice.json --depth-mm 2 --hol
 set -- experiment=run_1.csv experiment=run_static.csv experiment=creep.csv experiment=cyclic.csv experiment=relaxed.csv experiment=like.csv \
     simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_specimens.json model=specimens.json model=fractional.json characterize=characterize_tip.json characterize=characterize_tips.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
     model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=characterize_sine.json characterize=fit_characterize.json \
-    figure=figure_explain.json figure=figure_fit_characterize.json explain=explain.json explain=explain_out.json explain=explain_power.json calibrate=cal_static.json \
+    figure=figure_explain.json figure=figure_fit_characterize.json explain=explain.json explain=explain_out.json explain=explain_power.json explain=explain_likely.json calibrate=cal_static.json \
     calibrate=cal_spline.json calibrate=cal_all.json calibrate=fit_calibrate.json reduced=reduced.json reduce=reduce.json
 set -- "$@" protocol=next.json calibrate=cal_start.json reduced=ball.json experiment=ball.csv
 

@@ -92,8 +92,8 @@ static void check(const char *verdict, const char *before, const char *after, co
 }
 
 static void test_no_number_is_none(void **state) {
-    static const char *const verdict[] = {"agrees", "explained", "ambiguous", "unexplained", "suspected",
-                                          "another_law"};
+    static const char *const verdict[] = {"agrees",      "explained", "ambiguous",
+                                          "unexplained", "suspected", "another_law"};
     static const char *const number[] = {"null", "0", "-1", "0.003", "0.1", "1e308", "-1e308", "1e-300"};
     static const char *const closed[] = {NULL, "null", "-3", "0.5", "1.0001", "400"};
     (void)state;
