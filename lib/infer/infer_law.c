@@ -248,7 +248,7 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
         take_state(&s->fit, s->data.n_runs, fit);
         status = infer_fit_improve(fit, &s->data, 8);
         if (!status)
-            status = infer_noise_learn(fit, &s->data, 60);
+            status = infer_noise_learn(fit, &s->data, 60, false);
         if (!status)
             status = infer_residual(fit, &s->data, work, work + s->data.n);
         if (!status)

@@ -12,7 +12,7 @@ static palp_status learn_without(infer_fit *fit, const explain_data *data) {
     palp_status status = infer_fit_improve(fit, data, 5);
     if (!status)
         status = infer_sizes_learn(fit, data, 6);
-    return status ? status : infer_noise_learn(fit, data, 60);
+    return status ? status : infer_noise_learn(fit, data, 60, false);
 }
 
 /* The fit at hand with no zero, contact or gain of the runs' own. */
@@ -69,7 +69,7 @@ static palp_status find_evidence(const infer_search *s, double *nats) {
     if (!status)
         status = infer_fit_score(&without, &s->data);
     if (!status)
-        status = infer_noise_learn(&without, &s->data, 100);
+        status = infer_noise_learn(&without, &s->data, 100, false);
     *nats = s->fit.score - without.score;
     infer_fit_free(&without);
     return status;

@@ -417,6 +417,7 @@ static palp_status review(infer_search *s, bool *changed) {
         if (*changed) {
             infer_fit_free(&s->fit);
             s->fit = rest.fit;
+            s->drive_gain = rest.drive_gain;
             rest.fit.raw = NULL;
         }
         infer_search_free(&rest);

@@ -296,6 +296,7 @@ START_TEST(a_search_that_is_stopped_tells_what_it_found) {
         s.stop_user = &left;
         ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
         ck_assert(e.stopped);
+        ck_assert_uint_eq(e.n_runs, RUNS);
         ck_assert_uint_eq(e.n_effects, (size_t)found);
         ck_assert(e.gap.noise_level_N > 0 && isfinite(e.gap.after_N));
         if (found)
