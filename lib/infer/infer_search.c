@@ -213,8 +213,6 @@ static void try_task(void *user, size_t i) {
     palp_status status = i == INFER_DRIVE                         ? try_drive(s, t)
                          : effect_row_of((palp_effect_id)i)->line ? try_hum(s, t)
                                                                   : try_effect(s, (palp_effect_id)i, t);
-    if (!status && t->fit.raw)
-        status = examine(s, t);
     if (status && t->fit.raw)
         infer_fit_free(&t->fit);
     if (status && t->second.raw)
@@ -248,6 +246,8 @@ static void settle_task(void *user, size_t i) {
     rank(s, t);
     if (t->second.raw)
         infer_fit_free(&t->second);
+    if (!t->status && t->fit.raw)
+        t->status = examine(s, t);
 }
 
 /* Its noise too; stays as it was where contacts that move make it worse. */
@@ -272,6 +272,8 @@ static void finish_task(void *user, size_t i) {
         return;
     t->status = settle_with_noise(s, 1, &t->fit);
     rank(s, t);
+    if (!t->status && t->fit.raw)
+        t->status = examine(s, t);
 }
 
 /* So many fits are settled, and so many finalists learn the noise too. */

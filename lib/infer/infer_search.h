@@ -26,7 +26,7 @@ typedef struct infer_search {
     infer_fit fit;                  /* at hand */
     double *residual, *discrepancy; /* [data.n] of it */
     infer_trial trial[INFER_TRIALS];
-    double promising; /* score of a trial's fit from which on it is settled */
+    double promising;  /* score of a trial's fit from which on it is settled */
     double drive_gain; /* nats, of arms that are driven otherwise than the given ones; 0: they are not */
     size_t n_steps;
     palp_explain_step *step; /* [n_steps] */
