@@ -124,8 +124,9 @@ typedef struct palp_explain_discrepancy {
 typedef struct palp_explain_specimens {
     size_t n; /* that the files name; 0 or 1: nothing can be said */
     bool found;
-    double sd; /* of their stiffness, as a share */
-    bool law;  /* of the law beside the arms; else the whole force of a specimen is so many times another's */
+    double sd;        /* of their stiffness, as a share */
+    double low, high; /* its interval of 95 %, from the likelihood; 0 = not known */
+    bool law; /* of the law beside the arms; else the whole force of a specimen is so many times another's */
     double without_N; /* rms that is left if they are alike; with it gap.after_N is */
     double evidence;  /* in log likelihood, nats */
     double *between;  /* what the model's points to */

@@ -71,6 +71,8 @@ static palp_status find_recovery(explain_search *s) {
 static palp_status start(explain_search *s, const palp_model *model, size_t n,
                          const palp_explain_input *inputs, palp_error *error) {
     palp_status status = explain_data_create(n, inputs, s->settings, model, &s->data, error);
+    if (!status)
+        status = explain_data_one_height(&s->data, error);
     if (status)
         return status;
     n = s->data.n_runs;

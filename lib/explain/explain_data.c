@@ -294,20 +294,22 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     explain_run *run = &data->run[r];
     snprintf(run->name, sizeof run->name, "%s", input->name ? input->name : "run");
     palp_text_make_plain(run->name);
-    palp_status status = copy(e, data->height, air, run);
+    run->height = 1e-3 * explain_number_of(e, "specimen.height_mm", 1e3 * data->height);
+    if (!(run->height > 0.0))
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm",
+                              run->name, 1e3 * run->height, 1e3 * data->height);
+    const double radius = 1e-3 * explain_number_of(e, "specimen.radius_mm", 1e3 * data->given->radius_m);
+    run->area = radius > 0.0 && data->given->radius_m > 0.0 ? pow(radius / data->given->radius_m, 2.0) : 1.0;
+    palp_status status = copy(e, run->height, air, run);
     if (status)
         return status;
-    double height = explain_number_of(e, "specimen.height_mm", 1e3 * data->height);
-    if (fabs(1e-3 * height - data->height) > 1e-3 * data->height)
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm",
-                              run->name, height, 1e3 * data->height);
     if (!air && begins_under_load(run))
         return palp_error_set(error, PALP_ERR_INPUT,
                               "%s: begins under load (%.3g N at %.3g mm), and no other file ends there: what "
                               "was pressed before is "
                               "missing. Give that recording too, or leave this one out",
                               run->name, run->force[0], 1e3 * run->depth[0]);
-    status = goes_below_contact(run) ? palp_recording_check(e, run->name, data->height, error) : PALP_OK;
+    status = goes_below_contact(run) ? palp_recording_check(e, run->name, run->height, error) : PALP_OK;
     if (status)
         return status;
     run->session = explain_number_of(e, "session.start_s", NAN);
@@ -327,7 +329,7 @@ static void find_largest_strains(explain_data *data) {
         explain_run *run = &data->run[r];
         run->largest_strain = largest = run->fresh ? 0.0 : largest;
         for (size_t i = 0; i < run->n; i++)
-            largest = fmax(largest, run->depth[i] / data->height);
+            largest = fmax(largest, run->depth[i] / run->height);
     }
 }
 
@@ -398,6 +400,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
         for (size_t i = 0; i < run->n && !status; i++) {
             data->peak = fmax(data->peak, run->force[i]);
             data->deepest = fmax(data->deepest, run->depth[i]);
+            data->strain = fmax(data->strain, run->depth[i] / run->height);
         }
         if (!status)
             data->duration = fmax(data->duration, run->time[run->n - 1] - run->time[0]);
@@ -413,6 +416,14 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
     if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))
         status = palp_error_set(error, PALP_ERR_INPUT, "%s: no run presses the specimen", data->run[0].name);
     return status;
+}
+
+palp_status explain_data_one_height(const explain_data *data, palp_error *error) {
+    for (size_t r = 0; r < data->n_runs; r++)
+        if (fabs(data->run[r].height - data->height) > 1e-3 * data->height)
+            return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm",
+                                  data->run[r].name, 1e3 * data->run[r].height, 1e3 * data->height);
+    return PALP_OK;
 }
 
 void explain_data_free(explain_data *data) {

@@ -19,6 +19,7 @@ typedef struct explain_run {
     unsigned char *use;           /* [n] 0 = an event, or not to be fitted */
     unsigned char *phase;         /* [n] palp_phase */
     double session, white;        /* when it began; sd of a sample's white noise */
+    double height, area;          /* of its specimen, m; over the model's, 1 where a file does not say */
     bool fresh;                   /* on a specimen that no run before it pressed */
     size_t specimen;              /* which of the data's it presses, as the files name them */
     double largest_strain;        /* largest strain of the earlier runs on its specimen, by depth */
@@ -52,6 +53,7 @@ typedef struct explain_data {
     explain_run *run;
     palp_explain_pressed *pressed;          /* [joined.n] */
     const palp_model *given;                /* the model to be explained */
+    double strain;                          /* largest */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
     double stride;              /* largest way between two samples, of the run where it is least, m */
@@ -75,6 +77,8 @@ typedef struct explain_data {
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, const palp_model *model,
                                 explain_data *data, palp_error *error);
+/* ERR_INPUT: a specimen of another height than the model's. */
+palp_status explain_data_one_height(const explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
 size_t explain_samples(const explain_data *data); /* of the runs that are not held out */
 bool explain_may_recover(

@@ -54,6 +54,8 @@ palp_status explain_before_find(const explain_search *s, explain_fit *base, palp
 palp_status explain_scatter_find(const explain_search *s, palp_explanation *e);
 
 /* How specimens differ, after the scatter: it takes over what is theirs of it. (explain_specimens.c) */
+palp_status explain_between_find(const palp_material *material, double whole, double law,
+                                 palp_explanation *e);
 palp_status explain_specimens_find(const explain_search *s, palp_explanation *e);
 
 /* ---- diagnostics (explain_diagnostics.c) ---- */

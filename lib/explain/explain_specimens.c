@@ -109,8 +109,8 @@ static palp_status as_one(const explain_search *s, palp_explain_specimens *out) 
 
 /* Spread between specimens of the law's coefficients and the arms, if all their force differs by a share and
  * the law by another. */
-static palp_status find_between(const palp_material *material, double whole, double law,
-                                palp_explanation *e) {
+palp_status explain_between_find(const palp_material *material, double whole, double law,
+                                 palp_explanation *e) {
     const size_t n = material->law.n + 2 * material->n_arms,
                  step = material->law.kind == PALP_LAW_OGDEN ? 2 : 1;
     double *x = calloc(2 * n, sizeof *x), *y = x ? x + n : NULL, *between = malloc(n * n * sizeof *between);
@@ -168,5 +168,5 @@ palp_status explain_specimens_find(const explain_search *s, palp_explanation *e)
     const double sd[2] = {whole ? s->fit.scatter.gain : 0.0, out->law ? s->fit.scatter.stiffness : 0.0};
     out->sd = hypot(sd[0], sd[1]);
     find_stiffnesses(s, whole, out->law, e);
-    return status || !out->found ? status : find_between(&s->fit.model.material, sd[0], sd[1], e);
+    return status || !out->found ? status : explain_between_find(&s->fit.model.material, sd[0], sd[1], e);
 }

@@ -185,7 +185,11 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
         return status;
     e->model = s->fit.c.model;
     e->model.material.law.strain_max = model->material.law.strain_max;
-    status = infer_describe(s, e);
+    status = infer_specimens_find(s, e);
+    e->model.between = e->specimens.between;
+    e->model.n_specimens = e->specimens.between ? e->specimens.n : 0;
+    if (!status)
+        status = infer_describe(s, e);
     mark_accepted(e);
     tell(s, 0.1);
     if (!status)

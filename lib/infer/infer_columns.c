@@ -40,7 +40,7 @@ void infer_hats(const explain_data *data, size_t r, double *column) {
         }
         if (run->depth[i] <= 0.0)
             continue;
-        add_hat(run->depth[i] / data->deepest, 1.0, n, i,
+        add_hat(run->depth[i] / run->height / data->strain, 1.0, n, i,
                 column + (size_t)(back ? INFER_UNLOADING : INFER_LOADING) * INFER_NODES * n);
         add_hat(log(fmax(since, data->step) / data->step) / span, run->depth[i] / data->deepest, n, i,
                 column + INFER_SINCE_TURN * INFER_NODES * n);

@@ -63,12 +63,22 @@ static infer_noise first_noise(const explain_data *data) {
     return noise;
 }
 
+/* What fit->raw has room for: columns, products, and the specimens' own. */
+static size_t room(const infer_fit *fit, const explain_data *data) {
+    return data->n * fit->m + data->n_runs * (fit->m * fit->m + INFER_SPECIMEN);
+}
+
+static void place(infer_fit *fit, const explain_data *data) {
+    fit->product = fit->raw + data->n * fit->m;
+    fit->specimen = fit->product + data->n_runs * fit->m * fit->m;
+}
+
 palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
                              infer_fit *fit) {
     palp_model splined = *model;
     palp_status status = PALP_OK;
     if (model->material.law.kind != PALP_LAW_SPLINE)
-        status = spline_of(&model->material.law, data->deepest / data->height, &splined.material.law);
+        status = spline_of(&model->material.law, data->strain, &splined.material.law);
     if (!status)
         status = infer_fit_create_as(&splined, data, like, fit);
     else
@@ -83,13 +93,14 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
     if (status)
         return status;
     fit->k = fit->c.n_columns;
-    fit->m = fit->k + INFER_BLOCK + 1;
-    fit->raw = malloc((data->n * fit->m + data->n_runs * fit->m * fit->m) * sizeof *fit->raw);
+    fit->m = fit->k + INFER_BLOCK + INFER_SPECIMEN + 1;
+    fit->raw = malloc(room(fit, data) * sizeof *fit->raw);
     if (!fit->raw) {
         infer_fit_free(fit);
         return PALP_ERR_NO_MEMORY;
     }
-    fit->product = fit->raw + data->n * fit->m;
+    place(fit, data);
+    memset(fit->specimen, 0, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
     fit->noise = first_noise(data);
     fit->sizes = infer_sizes_first(data);
     set_priors(fit);
@@ -98,6 +109,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
         fit->sizes = like->sizes;
         fit->c.hum_Hz = like->c.hum_Hz;
         fit->c.renewed = like->c.renewed;
+        memcpy(fit->specimen, like->specimen, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
         memcpy(fit->c.contact, like->c.contact, 2 * data->n_runs * sizeof *fit->c.contact);
         const palp_material *m = &fit->c.model.material, *other = &like->c.model.material;
         const size_t plain = m->law.n + 2 * (m->n_arms < other->n_arms ? m->n_arms : other->n_arms);
@@ -109,16 +121,15 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
 }
 
 palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to) {
-    const size_t room = data->n * from->m + data->n_runs * from->m * from->m;
     *to = *from;
-    to->raw = malloc(room * sizeof *to->raw);
+    to->raw = malloc(room(from, data) * sizeof *to->raw);
     palp_status status = to->raw ? explain_fit_copy(&from->c, data->n_runs, &to->c) : PALP_ERR_NO_MEMORY;
     if (status) {
         free(to->raw);
         return status;
     }
-    memcpy(to->raw, from->raw, room * sizeof *to->raw);
-    to->product = to->raw + data->n * to->m;
+    memcpy(to->raw, from->raw, room(from, data) * sizeof *to->raw);
+    place(to, data);
     return PALP_OK;
 }
 
@@ -130,12 +141,47 @@ void infer_fit_free(infer_fit *fit) {
 
 /* ---- columns ---- */
 
+/* The material of run r's specimen. */
+static palp_status make_own(const infer_fit *fit, const explain_run *run, size_t r, palp_model *model) {
+    const double *b = fit->specimen + r * INFER_SPECIMEN, factor = run->area * exp(b[INFER_STIFFNESS]);
+    palp_material *m = &model->material;
+    model->height_m = run->height;
+    for (size_t j = 0; j < m->n_arms; j++) {
+        m->arms[j].stiffness_N *= factor;
+        m->arms[j].viscosity_Ns *= factor * exp(b[INFER_TIMES]);
+    }
+    return palp_law_scale(&m->law, factor, &m->law);
+}
+
+/* The gradient by the population's coefficients from that by the specimen's, and what the specimen has of its
+ * own: column[INFER_SPECIMEN n]. */
+static void take_specimen(const infer_fit *fit, const explain_run *run, size_t r, double *gradient,
+                          double *column) {
+    const palp_material *m = &fit->c.model.material;
+    const double *b = fit->specimen + r * INFER_SPECIMEN, factor = run->area * exp(b[INFER_STIFFNESS]);
+    const size_t n = run->n;
+    memset(column, 0, INFER_SPECIMEN * n * sizeof *column);
+    for (size_t a = 0; a < m->law.n + 2 * m->n_arms; a++) {
+        const bool law = a < m->law.n, viscosity = !law && (a - m->law.n) % 2 == 1;
+        const palp_arm *arm = &m->arms[law ? 0 : (a - m->law.n) / 2];
+        const double scale = viscosity ? factor * exp(b[INFER_TIMES]) : factor;
+        const double x = law ? m->law.coefficients[a] : viscosity ? arm->viscosity_Ns : arm->stiffness_N;
+        for (size_t i = 0; i < n; i++) {
+            gradient[a * n + i] *= scale;
+            column[INFER_STIFFNESS * n + i] += x * gradient[a * n + i];
+            column[INFER_TIMES * n + i] += viscosity ? x * gradient[a * n + i] : 0.0;
+        }
+    }
+}
+
 /* gradient: [columns of the full model, n]; force: [n]. */
 static void take_columns(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
                          double *gradient, const size_t column[2], double *out) {
     const explain_run *run = &data->run[r];
     const size_t n = run->n, k = fit->k;
-    double *own = out + k * n, *y = out + (fit->m - 1) * n;
+    double *own = out + k * n, *y = out + (fit->m - 1) * n, *specimen = own + INFER_BLOCK * n;
+    const double *b = fit->specimen + r * INFER_SPECIMEN;
+    take_specimen(fit, run, r, gradient, specimen);
     memcpy(own + INFER_CONTACT * n, gradient + column[0] * n, n * sizeof *own);
     memcpy(own + INFER_GAIN * n, gradient + column[1] * n, n * sizeof *own);
     explain_chain(&fit->c, n, gradient);
@@ -147,6 +193,8 @@ static void take_columns(const infer_fit *fit, const explain_data *data, size_t 
         own[INFER_COSINE * n + i] = fit->c.hum_Hz > 0.0 ? cos(turn) : 0.0;
         y[i] = run->force[i] - force[i] + fit->c.contact[r] * own[INFER_CONTACT * n + i] +
                fit->c.gain[r] * own[INFER_GAIN * n + i];
+        for (size_t a = 0; a < INFER_SPECIMEN; a++)
+            y[i] += b[a] * specimen[a * n + i];
     }
     infer_hats(data, r, own + INFER_OWN * n);
 }
@@ -166,7 +214,9 @@ palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
         palp_model own = full;
         explain_add_gain(&own, fit->c.gain[r]);
         double *gradient = work + data->run[r].n;
-        status = explain_predict(&own, &path, work, gradient, NULL);
+        status = make_own(fit, &data->run[r], r, &own);
+        if (!status)
+            status = explain_predict(&own, &path, work, gradient, NULL);
         if (!status)
             take_columns(fit, data, r, work, gradient, column, fit->raw + at * fit->m);
     }
@@ -182,7 +232,9 @@ static size_t active_columns(const infer_fit *fit, size_t *list) {
         bool on = true;
         if (a >= fit->k && a < fit->k + INFER_OWN)
             on = fit->sizes.own[a - fit->k] > 0.0;
-        if (a >= fit->k + INFER_OWN && a + 1 < fit->m) {
+        if (a >= fit->k + INFER_BLOCK && a + 1 < fit->m)
+            on = fit->sizes.specimen[a - fit->k - INFER_BLOCK] > 0.0;
+        else if (a >= fit->k + INFER_OWN && a + 1 < fit->m) {
             const size_t d = (a - fit->k - INFER_OWN) / INFER_NODES;
             on = infer_any(fit->sizes.common[d]) || infer_any(fit->sizes.each[d]);
         }
@@ -194,7 +246,7 @@ static size_t active_columns(const infer_fit *fit, size_t *list) {
 
 palp_status infer_fit_products(infer_fit *fit, const explain_data *data) {
     const size_t m = fit->m, n_most = data->longest;
-    size_t list[EXPLAIN_COLUMNS + INFER_BLOCK + 1];
+    size_t list[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN + 1];
     const size_t n_active = active_columns(fit, list);
     double *block = malloc(((m + 2 * INFER_SLOW + 2) * n_most + INFER_SLOW * m + m * m) * sizeof *block);
     if (!block)
@@ -316,12 +368,16 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         const size_t n = data->run[r].n;
         const double *raw = fit->raw + at * fit->m, *own_column = raw + fit->k * n;
-        double own[INFER_BLOCK];
+        double own[INFER_BLOCK], specimen[INFER_SPECIMEN];
         status = infer_own(fit, &p, r, own, NULL);
+        if (!status)
+            status = infer_specimen_own(&p, r, specimen, NULL);
         for (size_t i = 0; i < n && !status; i++) {
             double left = raw[(fit->m - 1) * n + i], taken = 0.0;
             for (size_t a = 0; a < INFER_OWN; a++)
                 left -= own[a] * own_column[a * n + i];
+            for (size_t a = 0; a < INFER_SPECIMEN; a++)
+                left -= specimen[a] * own_column[(INFER_BLOCK + a) * n + i];
             for (size_t a = 0; a < INFER_HATS; a++)
                 taken += (own[INFER_OWN + a] + p.mean[a]) * own_column[(INFER_OWN + a) * n + i];
             residual[at + i] = data->run[r].use[i] ? left : 0.0;

@@ -8,6 +8,9 @@
 /* What a run has of its own beside its discrepancy: zero, contact, gain, and the mains' sine and cosine. */
 enum { INFER_ZERO, INFER_CONTACT, INFER_GAIN, INFER_SINE, INFER_COSINE, INFER_OWN };
 
+/* What a specimen has of its own: the logarithm of a factor on all stiffnesses, and on all times. */
+enum { INFER_STIFFNESS, INFER_TIMES, INFER_SPECIMEN };
+
 /* Discrepancies are sums of hat functions over these, on grids of so many nodes. */
 enum { INFER_LOADING, INFER_UNLOADING, INFER_SINCE_TURN, INFER_DOMAINS };
 enum { INFER_NODES = 12, INFER_HATS = INFER_DOMAINS * INFER_NODES };
@@ -26,28 +29,31 @@ typedef struct infer_noise {
 
 /* Prior standard deviations; 0 = there is none of it. */
 typedef struct infer_sizes {
-    double own[INFER_OWN];                       /* sine and cosine alike */
+    double own[INFER_OWN]; /* sine and cosine alike */
+    double specimen[INFER_SPECIMEN];
     double common[INFER_DOMAINS][INFER_LENGTHS]; /* discrepancy of all runs, N */
     double each[INFER_DOMAINS][INFER_LENGTHS];   /* of each run, N */
     double bend;                                 /* of log K from knot to knot, second differences */
 } infer_sizes;
 
-/* One block of columns of a run: [k parameters | INFER_OWN | INFER_HATS | residual], each [n]. */
+/* One block of columns of a run: [k parameters | INFER_OWN | INFER_HATS | INFER_SPECIMEN | residual], each
+ * [n]. */
 typedef struct infer_fit {
     explain_fit c; /* the model and its coordinates; its products are not used, its contacts are */
-    size_t k, m;   /* parameters; columns of a run: k + INFER_BLOCK + 1 */
+    size_t k, m;   /* parameters; columns of a run: k + INFER_BLOCK + INFER_SPECIMEN + 1 */
     infer_noise noise;
     infer_sizes sizes;
     double given[EXPLAIN_COLUMNS]; /* prior mean of each coordinate, */
     double width[EXPLAIN_COLUMNS]; /* and its sd; 0: an effect's strength, see infer_prior */
     double *raw;                   /* all runs' columns, run r at raw + first sample m */
     double *product;               /* [n_runs m m] of the whitened ones */
+    double *specimen;              /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
     double log_noise;              /* log determinant of the noise's covariance */
     double score;                  /* log Z, nats */
 } infer_fit;
 
 /* What all runs together say of the common discrepancy (INFER_HATS) and then of the parameters (k), each
- * run's own eliminated. */
+ * run's own eliminated, and then each specimen's. */
 typedef struct infer_posterior {
     size_t g;                        /* INFER_HATS + k */
     double *factor;                  /* [g g] Cholesky factor of the posterior precision */
@@ -55,6 +61,7 @@ typedef struct infer_posterior {
     double *normal, *pull;           /* [k k], [k] of the parameters, the common discrepancy eliminated, */
     double here;                     /* and chi2 without a step */
     double chi2, log_det, log_prior; /* with the step; of both precisions, with those of the runs' own */
+    double *specimen; /* [n_runs] of their specimens, each specimen's factor and rows (infer_normal.c) */
     double *memory;
 } infer_posterior;
 
@@ -82,6 +89,9 @@ double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *
 /* Precision q[k k] of the coordinates, about fit->given; returns its log determinant. */
 palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *q, double *log_det);
 
+/* Whether a specimen was pressed more than once. A gain of a run is that of its specimen otherwise. */
+bool infer_pressed_again(const explain_data *data);
+
 /* A first guess: scatters and discrepancies of a percent, or of the noise. */
 infer_sizes infer_sizes_first(const explain_data *data);
 
@@ -94,6 +104,10 @@ double infer_log_evidence(const infer_fit *fit, const infer_posterior *p);
 /* Run r's own at the posterior: mean[INFER_BLOCK], covariance[INFER_BLOCK INFER_BLOCK] (NULL: not wanted). */
 palp_status infer_own(const infer_fit *fit, const infer_posterior *p, size_t r, double *mean,
                       double *covariance);
+
+/* What the specimen of run r has of its own, likewise: mean[INFER_SPECIMEN], covariance[INFER_SPECIMEN
+ * INFER_SPECIMEN]. */
+palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean, double *covariance);
 
 /* ---- sizes (infer_sizes.c) ---- */
 

@@ -52,6 +52,9 @@ palp_status infer_search_without(const infer_search *full, size_t i, infer_searc
 void infer_search_free(infer_search *s); /* but for its data */
 
 size_t infer_added(const infer_search *s); /* how many effects, the mains' hum the last */
+/* How the specimens differ, into e, and each run's stiffness. (infer_specimens.c) */
+palp_status infer_specimens_find(const infer_search *s, palp_explanation *e);
+
 palp_effect_id infer_added_id(const infer_search *s, size_t i);
 
 #endif

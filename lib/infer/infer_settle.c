@@ -3,6 +3,23 @@
 
 #include <math.h>
 
+/* Each specimen's own to where the posterior has it: its columns belong to the factor at hand. */
+static palp_status move_specimens(infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                                  bool *moved) {
+    palp_status status = PALP_OK;
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
+        double mean[INFER_SPECIMEN];
+        status = infer_specimen_own(p, r, mean, NULL);
+        for (size_t a = 0; a < INFER_SPECIMEN && !status; a++) {
+            double *at = &fit->specimen[r * INFER_SPECIMEN + a];
+            const double to = fmin(*at + 1.0, fmax(*at - 1.0, mean[a]));
+            *moved = *moved || fabs(to - *at) > fmax(0.02 * fit->sizes.specimen[a], 1e-4);
+            *at = to;
+        }
+    }
+    return status;
+}
+
 /* Each run's surface, and its gain where a sensor bends, to where the posterior has it, at most a quarter of
  * the depth away. */
 static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool *moved) {
@@ -23,6 +40,8 @@ static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool 
             *moved = true;
         }
     }
+    if (!status)
+        status = move_specimens(fit, data, &p, moved);
     infer_posterior_free(&p);
     return status;
 }

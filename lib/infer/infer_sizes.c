@@ -78,7 +78,8 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
     enum { B = INFER_BLOCK };
     infer_posterior p;
     pair own[INFER_OWN] = {{0.0, 0.0}}, each[INFER_DOMAINS][INFER_LENGTHS] = {{{0.0, 0.0}}},
-         common[INFER_DOMAINS][INFER_LENGTHS] = {{{0.0, 0.0}}}, bend = {0.0, 0.0};
+         common[INFER_DOMAINS][INFER_LENGTHS] = {{{0.0, 0.0}}}, bend = {0.0, 0.0},
+         specimen[INFER_SPECIMEN] = {{0.0, 0.0}};
     palp_status status = infer_posterior_find(fit, data, &p);
     if (status)
         return status;
@@ -98,6 +99,15 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
         }
     }
     add_told(&own[INFER_CONTACT], fit->sizes.own[INFER_CONTACT], data);
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
+        double b[INFER_SPECIMEN], v[INFER_SPECIMEN * INFER_SPECIMEN];
+        if (r > 0 && data->run[r].specimen == data->run[r - 1].specimen)
+            continue;
+        status = infer_specimen_own(&p, r, b, v);
+        for (size_t a = 0; a < INFER_SPECIMEN && !status; a++)
+            if (fit->sizes.specimen[a] > 0.0)
+                add_scalar(&specimen[a], fit->sizes.specimen[a], b[a], v[a * (INFER_SPECIMEN + 1)]);
+    }
     memset(all, 0, g * g * sizeof *all);
     for (size_t a = 0; a < g; a++)
         all[a * g + a] = 1.0;
@@ -117,6 +127,8 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
                                      hidden};
     for (size_t a = 0; a < INFER_OWN; a++)
         move(&fit->sizes.own[a], &own[a], least[a]);
+    for (size_t a = 0; a < INFER_SPECIMEN; a++)
+        move(&fit->sizes.specimen[a], &specimen[a], hidden / data->peak);
     fit->sizes.own[INFER_COSINE] = fit->sizes.own[INFER_SINE];
     for (size_t d = 0; d < INFER_DOMAINS; d++)
         for (size_t l = 0; l < INFER_LENGTHS; l++) {
@@ -135,9 +147,11 @@ void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data) {
     const bool several = data->n_runs > 1;
     const double own[INFER_GAIN + 1] = {small,
                                         data->contacts_alike ? 0.0 : small / data->peak * data->deepest,
-                                        several ? small / data->peak : 0.0};
+                                        infer_pressed_again(data) ? small / data->peak : 0.0};
     for (size_t a = 0; a <= INFER_GAIN; a++)
         fit->sizes.own[a] = fmax(fit->sizes.own[a], own[a]);
+    for (size_t a = 0; a < INFER_SPECIMEN && data->n_specimens > 1; a++)
+        fit->sizes.specimen[a] = fmax(fit->sizes.specimen[a], small / data->peak);
     for (size_t d = 0; d < INFER_DOMAINS; d++)
         for (size_t l = 0; l < INFER_LENGTHS; l++) {
             fit->sizes.common[d][l] = fmax(fit->sizes.common[d][l], small);

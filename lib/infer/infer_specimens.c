@@ -1,0 +1,83 @@
+/* infer_specimens.c: how the stiffnesses of the specimens scatter, as the caller gets it. */
+#include "explain/explain_result.h"
+#include "infer_search.h"
+
+#include <math.h>
+
+enum { GRID = 120 }; /* sizes of the scatter, evenly in the logarithm */
+
+/* The 2.5 % and 97.5 % points of the scatter's posterior. Its prior is even in the logarithm, as that of all
+ * sizes; with b_s known exactly this is the interval of chi squared. */
+static palp_status find_interval(const infer_search *s, palp_explain_specimens *out) {
+    infer_fit fit = s->fit; /* its sizes alone change */
+    const double least = fit.noise.white / sqrt((double)explain_samples(&s->data)) / s->data.peak;
+    const double from = log(least), step = (log(20.0) - from) / GRID;
+    double score[GRID + 1], best = -HUGE_VAL, all = 0.0, sum = 0.0;
+    for (size_t i = 0; i <= GRID; i++) {
+        fit.sizes.specimen[INFER_STIFFNESS] = exp(from + step * (double)i);
+        const palp_status status = infer_fit_score(&fit, &s->data);
+        if (status)
+            return status;
+        score[i] = fit.score;
+        best = fmax(best, fit.score);
+    }
+    for (size_t i = 0; i <= GRID; i++)
+        all += exp(score[i] - best);
+    for (size_t i = 0; i <= GRID; i++) { /* each size stands for half a step to either side */
+        const double before = sum / all, share = exp(score[i] - best) / all, left = (double)i - 0.5;
+        sum += exp(score[i] - best);
+        if (before < 0.025 && before + share >= 0.025)
+            out->low = exp(from + step * (left + (0.025 - before) / share));
+        if (before < 0.975 && before + share >= 0.975)
+            out->high = exp(from + step * (left + (0.975 - before) / share));
+    }
+    return PALP_OK;
+}
+
+/* What is left if all specimens are alike, the sizes and the noise learned anew. */
+static palp_status as_one(const infer_search *s, palp_explain_specimens *out) {
+    infer_fit fit;
+    palp_status status = infer_fit_copy(&s->fit, &s->data, &fit);
+    if (status)
+        return status;
+    for (size_t i = 0; i < INFER_SPECIMEN * s->data.n_runs; i++)
+        fit.specimen[i] = 0.0;
+    for (size_t a = 0; a < INFER_SPECIMEN; a++)
+        fit.sizes.specimen[a] = 0.0;
+    status = infer_fit_evaluate(&fit, &s->data);
+    if (!status)
+        status = infer_fit_improve(&fit, &s->data, 5);
+    if (!status)
+        status = infer_sizes_learn(&fit, &s->data, 6);
+    if (!status)
+        status = infer_noise_learn(&fit, &s->data, 60, false);
+    if (!status)
+        status = infer_residual(&fit, &s->data, s->residual, s->discrepancy);
+    out->without_N = explain_fitted_rms(&s->data, s->residual);
+    out->evidence = s->fit.score - fit.score;
+    infer_fit_free(&fit);
+    return status ? status : infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
+}
+
+palp_status infer_specimens_find(const infer_search *s, palp_explanation *e) {
+    palp_explain_specimens *out = &e->specimens;
+    out->n = s->data.n_specimens;
+    if (out->n < 2)
+        return PALP_OK;
+    out->sd = s->fit.sizes.specimen[INFER_STIFFNESS];
+    infer_posterior p;
+    palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
+    for (size_t r = 0; r < s->data.n_runs && !status; r++) {
+        double own[INFER_SPECIMEN];
+        status = infer_specimen_own(&p, r, own, NULL);
+        if (!status)
+            e->run[r].stiffness = exp(own[INFER_STIFFNESS]);
+    }
+    infer_posterior_free(&p);
+    if (!status && out->sd > 0.0)
+        status = find_interval(s, out);
+    if (!status && out->sd > 0.0)
+        status = as_one(s, out);
+    out->found = out->evidence > infer_threshold(s->settings);
+    return status || !out->found ? status : explain_between_find(&s->fit.c.model.material, out->sd, 0.0, e);
+}
