@@ -6,16 +6,17 @@
 
 #include <palpate/random.h>
 
-enum { RUNS = 2, EACH = 90 };
+enum { MOST = 3, EACH = 90 };
+static size_t runs = 2;
 static const double NOISE = 0.01; /* N */
 
-static palp_explain_input input[RUNS];
+static palp_explain_input input[MOST];
 
 /* A ramp, a dwell and a way back, the second twice as fast. */
 static void record(const palp_model *m) {
     static samples s;
     uint64_t noise = 4;
-    for (size_t r = 0; r < RUNS; r++) {
+    for (size_t r = 0; r < runs; r++) {
         start(&s, 0, 0);
         for (size_t i = 1; i < EACH; i++) {
             const double up = (double)i * (double)(r + 1) / 60, down = (EACH - 10.0 - (double)i) / 20;
@@ -23,10 +24,18 @@ static void record(const palp_model *m) {
             s.depth_m[i] = 1e-3 * fmax(-0.5, 5 * fmin(1, fmin(up, down)));
         }
         s.n = EACH;
-        press_model(m, &s);
+        palp_model own = *m;
+        own.height_m *= r == 2 ? 1.3 : 1;
+        press_model(&own, &s);
         for (size_t i = 0; i < EACH; i++)
             s.force_N[i] = s.force_N[i] + NOISE * palp_random_normal(&noise);
-        input[r] = (palp_explain_input){samples_experiment(&s), "run.csv"};
+        palp_experiment *e = samples_experiment(&s);
+        if (runs == MOST) { /* the first two are of one specimen */
+            ck_assert_int_eq(palp_experiment_set_string(e, "specimen.name", r < 2 ? "a" : "b"), PALP_OK);
+            ck_assert_int_eq(palp_experiment_set_number(e, "specimen.height_mm", 1e3 * own.height_m),
+                             PALP_OK);
+        }
+        input[r] = (palp_explain_input){e, "run.csv"};
     }
 }
 
@@ -37,7 +46,7 @@ static void begin(explain_data *data, infer_fit *fit, palp_model *m) {
     record(m);
     ck_assert_int_eq(palp_law_scale(&m->material.law, 1.05, &m->material.law), PALP_OK);
     add_effect(m, PALP_EFFECT_COULOMB_FRICTION, 0.1);
-    ck_assert_int_eq(explain_data_create(RUNS, input, &settings, m, data, NULL), PALP_OK);
+    ck_assert_int_eq(explain_data_create(runs, input, &settings, m, data, NULL), PALP_OK);
     ck_assert_int_eq(infer_fit_create(m, data, NULL, fit), PALP_OK);
     fit->sizes.own[INFER_GAIN] = 0.02;
     fit->noise.depth = 1e-6;
@@ -48,7 +57,7 @@ static void begin(explain_data *data, infer_fit *fit, palp_model *m) {
 static void end(explain_data *data, infer_fit *fit) {
     infer_fit_free(fit);
     explain_data_free(data);
-    for (size_t r = 0; r < RUNS; r++)
+    for (size_t r = 0; r < runs; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
 }
 
@@ -81,7 +90,7 @@ static double column(const infer_fit *fit, size_t r, size_t a, size_t i) {
 
 /* Adds what parameters, hats and the runs' own do to all pairs of samples. */
 static void add_effects(const infer_fit *fit, const double *prior, double *c) {
-    const size_t n = RUNS * EACH, k = fit->k, hats = k + INFER_OWN;
+    const size_t n = runs * EACH, k = fit->k, hats = k + INFER_OWN;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             const size_t ri = i / EACH, rj = j / EACH, at = i % EACH, bt = j % EACH;
@@ -94,6 +103,9 @@ static void add_effects(const infer_fit *fit, const double *prior, double *c) {
                     sum += column(fit, ri, hats + a, at) * column(fit, rj, hats + b, bt) *
                            (hats_between(fit->sizes.common, a, b) +
                             (ri == rj ? hats_between(fit->sizes.each, a, b) : 0));
+            for (size_t a = 0; a < INFER_SPECIMEN && ri / 2 == rj / 2; a++)
+                sum += pow(fit->sizes.specimen[a], 2) * column(fit, ri, k + INFER_BLOCK + a, at) *
+                       column(fit, rj, k + INFER_BLOCK + a, bt);
             for (size_t a = 0; a < INFER_OWN && ri == rj; a++)
                 sum += pow(fit->sizes.own[a], 2) * column(fit, ri, k + a, at) * column(fit, rj, k + a, bt);
             c[i * n + j] += sum;
@@ -104,8 +116,9 @@ START_TEST(the_evidence_is_the_joint_normal_density) {
     explain_data data;
     infer_fit fit;
     palp_model m;
+    runs = (size_t)_i;
     begin(&data, &fit, &m);
-    const size_t n = RUNS * EACH, k = fit.k;
+    const size_t n = runs * EACH, k = fit.k;
     double *c = calloc(n * n + 2 * k * k + n, sizeof *c), *q = c + n * n, *prior = q + k * k,
            *y = prior + k * k;
     double log_det;
@@ -130,6 +143,39 @@ START_TEST(the_evidence_is_the_joint_normal_density) {
     ck_assert_double_eq_tol(fit.score, expected, 1e-6 * fabs(expected));
     free(c);
     end(&data, &fit);
+    runs = 2;
+}
+END_TEST
+
+/* Its columns are the derivatives of the force by the logarithms of both factors, at any height. */
+START_TEST(a_specimen_has_the_column_of_its_factor) {
+    explain_data data;
+    infer_fit fit;
+    palp_model m;
+    runs = MOST;
+    begin(&data, &fit, &m);
+    const size_t r = 2, at = fit.k + INFER_BLOCK + (size_t)_i, y = fit.m - 1;
+    double *specimen = fit.specimen + r * INFER_SPECIMEN + _i, low[EACH], column_at[EACH], most = 0;
+    ck_assert_double_eq_tol(data.run[r].height, 1.3 * data.height, 1e-9);
+    *specimen = 0.1;
+    ck_assert_int_eq(infer_fit_evaluate(&fit, &data), PALP_OK);
+    for (size_t i = 0; i < EACH; i++) {
+        column_at[i] = column(&fit, r, at, i);
+        most = fmax(most, fabs(column_at[i]));
+    }
+    *specimen = 0.1 - 1e-4;
+    ck_assert_int_eq(infer_fit_evaluate(&fit, &data), PALP_OK);
+    for (size_t i = 0; i < EACH; i++) /* without what is added to the residual, the force's negative */
+        low[i] = column(&fit, r, y, i) - *specimen * column(&fit, r, at, i);
+    *specimen = 0.1 + 1e-4;
+    ck_assert_int_eq(infer_fit_evaluate(&fit, &data), PALP_OK);
+    for (size_t i = 0; i < EACH; i++) {
+        const double high = column(&fit, r, y, i) - *specimen * column(&fit, r, at, i);
+        ck_assert_double_eq_tol((low[i] - high) / 2e-4, column_at[i], 1e-5 * most);
+    }
+    ck_assert_double_gt(most, 0);
+    end(&data, &fit);
+    runs = 2;
 }
 END_TEST
 
@@ -195,7 +241,8 @@ START_TEST(learned_sizes_are_the_most_likely) {
 END_TEST
 
 void tests(TCase *tc) {
-    tcase_add_test(tc, the_evidence_is_the_joint_normal_density);
+    tcase_add_loop_test(tc, the_evidence_is_the_joint_normal_density, 2, MOST + 1);
+    tcase_add_loop_test(tc, a_specimen_has_the_column_of_its_factor, 0, INFER_SPECIMEN);
     tcase_add_test(tc, the_noise_is_white_after_the_filter);
     tcase_add_test(tc, learned_sizes_are_the_most_likely);
 }

@@ -1,0 +1,82 @@
+/* test_infer_specimens.c: specimens of other heights, areas and stiffnesses, one test each, in one session.
+ */
+#include "forward_make.h"
+
+#include <palpate/infer.h>
+#include <palpate/random.h>
+
+enum { RUNS = 8, EACH = 140 };
+static const double SPREAD = 0.2, FRICTION = 0.02;
+
+static palp_explain_input input[RUNS];
+static double factor[RUNS];
+
+/* A press, a dwell and a withdrawal to the same strain at two speeds. */
+static void record(uint64_t noise) {
+    static samples s;
+    for (size_t r = 0; r < RUNS; r++) {
+        palp_model m = lumped_model(1);
+        add_effect(&m, PALP_EFFECT_COULOMB_FRICTION, 0)->value[0] = FRICTION;
+        const double height = 0.8 + 0.4 * palp_random_uniform(&noise), area = 0.8 + 0.4 * (double)(r % 3) / 2;
+        factor[r] = exp(SPREAD * palp_random_normal(&noise));
+        m.height_m *= height;
+        ck_assert_int_eq(palp_law_scale(&m.material.law, area * factor[r], &m.material.law), PALP_OK);
+        m.material.arms[0].stiffness_N *= area * factor[r];
+        m.material.arms[0].viscosity_Ns *= area * factor[r];
+        start(&s, 0, -1);
+        for (size_t i = 1; i < EACH; i++) {
+            const double up = (double)i / (20 + 25 * (double)(r % 2)), down = (EACH - 15.0 - (double)i) / 40;
+            s.time_s[i] = 0.05 * (double)i;
+            s.depth_m[i] = 1e-3 * fmax(-1, 6 * height * fmin(1, fmin(up, down)) - 1);
+        }
+        s.n = EACH;
+        press_model(&m, &s);
+        for (size_t i = 0; i < EACH; i++)
+            s.force_N[i] += 2e-3 * palp_random_normal(&noise);
+        palp_experiment *e = samples_experiment(&s);
+        const char name[] = {(char)('a' + (int)r), '\0'};
+        ck_assert_int_eq(palp_experiment_set_string(e, "specimen.name", name), PALP_OK);
+        ck_assert_int_eq(palp_experiment_set_number(e, "specimen.height_mm", 1e3 * m.height_m), PALP_OK);
+        ck_assert_int_eq(palp_experiment_set_number(e, "specimen.radius_mm", 1e3 * m.radius_m * sqrt(area)),
+                         PALP_OK);
+        input[r] = (palp_explain_input){e, "run.csv"};
+    }
+}
+
+/* The friction is found as in one specimen; the spread, its interval and the specimens' factors
+ * are those of the factors that were drawn: a sample's, which are far better known than their population. */
+START_TEST(an_effect_in_specimens_that_differ) {
+    palp_model m = lumped_model(1);
+    palp_explanation e;
+    palp_error error = {.text = ""};
+    palp_explain_settings s = palp_explain_settings_default();
+    memset(s.candidate, 0, sizeof s.candidate);
+    s.candidate[PALP_EFFECT_COULOMB_FRICTION] = s.candidate[PALP_EFFECT_SENSOR_DRIFT] = true;
+    record(7);
+    ck_assert_msg(palp_infer(&m, RUNS, input, &s, &e, &error) == PALP_OK, "%s", error.text);
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_COULOMB_FRICTION);
+    ck_assert_double_eq_tol(e.effect[0].effect.value[0], FRICTION, 0.2 * FRICTION);
+    ck_assert_uint_eq(e.specimens.n, RUNS);
+    ck_assert(e.specimens.found);
+    double mean = 0, square = 0;
+    for (size_t r = 0; r < RUNS; r++)
+        mean += log(factor[r]) / RUNS;
+    for (size_t r = 0; r < RUNS; r++)
+        square += pow(log(factor[r]) - mean, 2);
+    const double chi2[] = {16.0128, 1.6899}; /* 97.5 % and 2.5 % points, 7 degrees of freedom */
+    ck_assert_double_eq_tol(e.specimens.sd, sqrt(square / (RUNS - 1)), 0.05 * e.specimens.sd);
+    ck_assert_double_eq_tol(e.specimens.low, sqrt(square / chi2[0]), 0.06 * e.specimens.low);
+    ck_assert_double_eq_tol(e.specimens.high, sqrt(square / chi2[1]), 0.06 * e.specimens.high);
+    for (size_t r = 1; r < RUNS; r++) /* the mean belongs to the law */
+        ck_assert_double_eq_tol(e.run[r].stiffness / e.run[0].stiffness, factor[r] / factor[0],
+                                0.05 * factor[r] / factor[0]);
+    palp_explanation_free(&e);
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, an_effect_in_specimens_that_differ);
+}
