@@ -242,6 +242,8 @@ palp_status palp_infer_material(const palp_model *specimen, size_t n, const palp
     palp_status status = PALP_ERR_NO_MEMORY;
     if (s)
         status = explain_data_create(n, inputs, &arms, &model, &s->data, error);
+    if (!status)
+        status = explain_data_one_height(&s->data, error);
     if (!status) {
         s->settings = &arms;
         s->n_given = model.n_effects;

@@ -91,6 +91,12 @@ static double column(const infer_fit *fit, size_t r, size_t a, size_t i) {
 /* Adds what parameters, hats and the runs' own do to all pairs of samples. */
 static void add_effects(const infer_fit *fit, const double *prior, double *c) {
     const size_t n = runs * EACH, k = fit->k, hats = k + INFER_OWN;
+    static double common[INFER_HATS][INFER_HATS], each[INFER_HATS][INFER_HATS];
+    for (size_t a = 0; a < INFER_HATS; a++)
+        for (size_t b = 0; b < INFER_HATS; b++) {
+            common[a][b] = hats_between(fit->sizes.common, a, b);
+            each[a][b] = hats_between(fit->sizes.each, a, b);
+        }
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             const size_t ri = i / EACH, rj = j / EACH, at = i % EACH, bt = j % EACH;
@@ -101,8 +107,7 @@ static void add_effects(const infer_fit *fit, const double *prior, double *c) {
             for (size_t a = 0; a < INFER_HATS; a++)
                 for (size_t b = 0; b < INFER_HATS; b++)
                     sum += column(fit, ri, hats + a, at) * column(fit, rj, hats + b, bt) *
-                           (hats_between(fit->sizes.common, a, b) +
-                            (ri == rj ? hats_between(fit->sizes.each, a, b) : 0));
+                           (common[a][b] + (ri == rj ? each[a][b] : 0));
             for (size_t a = 0; a < INFER_SPECIMEN && ri / 2 == rj / 2; a++)
                 sum += pow(fit->sizes.specimen[a], 2) * column(fit, ri, k + INFER_BLOCK + a, at) *
                        column(fit, rj, k + INFER_BLOCK + a, bt);
