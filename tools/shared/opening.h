@@ -22,8 +22,8 @@ int open_refuse_mass(const char *command, const char *file, const palp_model *mo
 int open_model_of(const char *command, const char *file, palp_model_kind kind, const char *otherwise,
                   palp_model *model, palp_mesh_source *mesh);
 
-/* Takes the noise off the run's recorded depth and tool position: what follows its path sees what characterize
- * and explain see. */
+/* Takes the noise off the run's recorded depth and tool position: what follows its path sees what
+ * characterize and explain see. */
 palp_status open_smooth_path(palp_experiment *run);
 
 /* A text from outside as a key of a run's header, made plain (palp_text_make_plain). */
