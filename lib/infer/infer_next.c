@@ -24,6 +24,7 @@ static void free_runs(next_runs *next) {
     free(next->done);
 }
 
+/* Where several specimens were pressed, another one of the mean size. */
 static void set_run(next_runs *next, size_t k, const explain_run *like, explain_run *run) {
     explain_path *p = &next->path[k];
     unsigned char *phase = next->phase + k * EXPLAIN_PATH;
@@ -38,7 +39,9 @@ static void set_run(next_runs *next, size_t k, const explain_run *like, explain_
                          .session = like->session,
                          .white = like->white,
                          .fresh = true,
-                         .specimen = like->specimen,
+                         .specimen = next->data.n_specimens > 1 ? next->data.n_specimens : like->specimen,
+                         .height = next->data.height,
+                         .area = 1.0,
                          .held_out = true};
 }
 
