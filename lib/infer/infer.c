@@ -9,11 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-palp_status infer_begin(infer_fit *fit, const explain_data *data) {
-    palp_status status = infer_fit_settle(fit, data, 2, false);
-    return status ? status : infer_fit_settle(fit, data, 4, true);
-}
-
 /* More probable than not, below the threshold. */
 static bool suspected(const palp_explanation *e) {
     bool some = false;
@@ -167,8 +162,6 @@ static palp_status find_effects(infer_search *s, palp_explanation *e) {
 
 static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {
     palp_status status = infer_fit_create(model, &s->data, NULL, &s->fit);
-    if (!status)
-        status = infer_fit_evaluate(&s->fit, &s->data);
     if (!status)
         status = infer_begin(&s->fit, &s->data);
     if (!status)

@@ -146,6 +146,10 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
 /* Parameters, contacts and sizes in turn; with noise, that too. (infer_settle.c) */
 palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise);
 
+/* The same for a fit just made, from a first guess of all sizes, in two ways, of which the more probable one
+ * is kept: as it is; and its parameters first without a discrepancy, which could take their place. */
+palp_status infer_begin(infer_fit *fit, const explain_data *data);
+
 /* Hat functions of run r, [INFER_HATS n]. (infer_columns.c) */
 void infer_hats(const explain_data *data, size_t r, double *column);
 

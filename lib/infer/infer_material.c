@@ -10,52 +10,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Settles a fit that is far from its best: its parameters first without a discrepancy, which could take their
- * place. */
-static palp_status settle_anew(infer_fit *fit, const explain_data *data) {
-    enum { EVALUATIONS = 30 };
-    fit->sizes = infer_sizes_first(data);
-    memset(fit->c.contact, 0, 2 * data->n_runs * sizeof *fit->c.contact); /* and the gains */
-    const infer_sizes sizes = fit->sizes;
-    memset(fit->sizes.common, 0, sizeof sizes.common);
-    memset(fit->sizes.each, 0, sizeof sizes.each);
-    palp_status status = infer_fit_evaluate(fit, data);
-    if (!status)
-        status = infer_fit_improve(fit, data, EVALUATIONS);
-    fit->sizes = sizes;
-    if (!status)
-        status = infer_fit_evaluate(fit, data);
-    return status ? status : infer_begin(fit, data);
-}
-
-/* The added arm, last of the trial's effects, becomes one of the material's; the better of two fits with it
- * is at hand then. */
+/* The added arm, last of the trial's effects, becomes one of the material's. */
 static palp_status take_arm(infer_search *s, infer_trial *t) {
     palp_model model = t->fit.c.model;
     const palp_effect *arm = &model.effects[--model.n_effects];
     palp_material *m = &model.material;
-    infer_fit near = {.raw = NULL}, anew = {.raw = NULL};
+    infer_fit next;
     m->arms[m->n_arms++] =
         (palp_arm){.stiffness_N = arm->value[0], .viscosity_Ns = arm->value[0] * arm->value[1]};
-    palp_status status = infer_fit_create(&model, &s->data, &t->fit, &near);
-    if (!status)
-        status = infer_fit_create(&model, &s->data, &t->fit, &anew);
-    if (!status)
-        status = infer_fit_evaluate(&near, &s->data);
-    if (!status)
-        status = infer_fit_settle(&near, &s->data, 2, true);
-    if (!status)
-        status = settle_anew(&anew, &s->data);
-    if (!status) {
-        infer_fit_free(&s->fit);
-        s->fit = anew.score > near.score ? anew : near;
-        *(anew.score > near.score ? &anew : &near) = (infer_fit){.raw = NULL};
+    palp_status status = infer_fit_create(&model, &s->data, &t->fit, &next);
+    if (status)
+        return status;
+    status = infer_begin(&next, &s->data);
+    if (status) {
+        infer_fit_free(&next);
+        return status;
     }
-    if (near.raw)
-        infer_fit_free(&near);
-    if (anew.raw)
-        infer_fit_free(&anew);
-    return status;
+    infer_fit_free(&s->fit);
+    s->fit = next;
+    return PALP_OK;
 }
 
 static bool has_arm(const infer_trial *t) {
@@ -202,7 +175,7 @@ static palp_status start(infer_search *s, palp_model *model) {
     palp_status status = palp_law_polynomial(1, &stiffness, &model->material.law);
     if (!status)
         status = infer_fit_create(model, &s->data, NULL, &s->fit);
-    return status ? status : settle_anew(&s->fit, &s->data);
+    return status ? status : infer_begin(&s->fit, &s->data);
 }
 
 static palp_status characterize(infer_search *s, palp_model *model, size_t n,

@@ -474,6 +474,7 @@ static palp_status keep_step(infer_search *s, int best) {
 
 palp_status infer_search_run(infer_search *s) {
     palp_status status = PALP_OK;
+    bool changed = false;
     s->step_share = 0.7 / (2.0 * (double)s->settings->max_effects + 2.0);
     for (size_t step = 0; step < 2 * s->settings->max_effects + 2 && !status; step++) {
         if (infer_added(s) >= s->settings->max_effects)
@@ -486,11 +487,12 @@ palp_status infer_search_run(infer_search *s) {
         if (status || !worth)
             break;
         take(s, best);
-        bool changed;
         status = settle_with_noise(s, 2, &s->fit);
         if (!status)
             status = review(s, &changed);
     }
+    for (size_t i = 0; i < s->settings->max_effects && changed && !status; i++)
+        status = review(s, &changed);
     s->stopped = status == PALP_ERR_STOPPED;
     return s->stopped ? PALP_OK : status;
 }

@@ -37,9 +37,6 @@ typedef struct infer_search {
 /* Log odds above which a set of effects is preferred: that of no false alarm to one. */
 double infer_threshold(const palp_explain_settings *settings);
 
-/* Settles a fit from a first guess of all sizes. (infer.c) */
-palp_status infer_begin(infer_fit *fit, const explain_data *data);
-
 /* Adds each candidate to the fit at hand; their trials are freed first. */
 palp_status infer_try_all(infer_search *s);
 void infer_trials_free(infer_search *s);

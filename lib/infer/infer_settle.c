@@ -2,6 +2,7 @@
 #include "infer_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Each specimen's own to where the posterior has it: its columns belong to the factor at hand. */
 static palp_status move_specimens(infer_fit *fit, const explain_data *data, const infer_posterior *p,
@@ -67,5 +68,45 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
             break;
         last = fit->score;
     }
+    return status;
+}
+
+static palp_status settle_all(infer_fit *fit, const explain_data *data) {
+    palp_status status = infer_fit_settle(fit, data, 2, false);
+    return status ? status : infer_fit_settle(fit, data, 4, true);
+}
+
+static palp_status settle_parameters_first(infer_fit *fit, const explain_data *data) {
+    enum { EVALUATIONS = 30 };
+    const infer_sizes sizes = infer_sizes_first(data);
+    fit->sizes = sizes;
+    memset(fit->sizes.common, 0, sizeof sizes.common);
+    memset(fit->sizes.each, 0, sizeof sizes.each);
+    memset(fit->c.contact, 0, 2 * data->n_runs * sizeof *fit->c.contact); /* and the gains */
+    palp_status status = infer_fit_evaluate(fit, data);
+    if (!status)
+        status = infer_fit_improve(fit, data, EVALUATIONS);
+    fit->sizes = sizes;
+    if (!status)
+        status = infer_fit_evaluate(fit, data);
+    return status ? status : settle_all(fit, data);
+}
+
+palp_status infer_begin(infer_fit *fit, const explain_data *data) {
+    infer_fit anew;
+    palp_status status = infer_fit_evaluate(fit, data);
+    if (!status)
+        status = infer_fit_copy(fit, data, &anew);
+    if (status)
+        return status;
+    status = settle_all(fit, data);
+    const palp_status other = settle_parameters_first(&anew, data);
+    if (!other && (status || anew.score > fit->score)) {
+        const infer_fit worse = *fit;
+        *fit = anew;
+        anew = worse;
+        status = PALP_OK;
+    }
+    infer_fit_free(&anew);
     return status;
 }
