@@ -173,6 +173,8 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
     tell(s, 0.1);
     if (!status)
         status = find_effects(s, e);
+    if (!status) /* sizes and noise moved last: the written numbers are the most probable ones beside them */
+        status = infer_fit_improve(&s->fit, &s->data, INFER_LAST);
     tell(s, 0.7 - s->told);
     if (status)
         return status;

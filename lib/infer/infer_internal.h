@@ -150,6 +150,10 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
  * is kept: as it is; and its parameters first without a discrepancy, which could take their place. */
 palp_status infer_begin(infer_fit *fit, const explain_data *data);
 
+enum {
+    INFER_LAST = 5
+}; /* evaluations of the last improvement, as sizes and noise are learned after others */
+
 /* Hat functions of run r, [INFER_HATS n]. (infer_columns.c) */
 void infer_hats(const explain_data *data, size_t r, double *column);
 

@@ -190,6 +190,8 @@ static palp_status characterize(infer_search *s, palp_model *model, size_t n,
         status = find_arms(s, least, most);
     fit->converged = status != PALP_ERR_STOPPED;
     status = fit->converged ? status : PALP_OK;
+    if (!status) /* sizes and noise moved last */
+        status = infer_fit_improve(&s->fit, &s->data, INFER_LAST);
     if (!status)
         status = fill_estimates(s, fit);
     if (!status)
