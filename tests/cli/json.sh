@@ -85,6 +85,10 @@ expect 0 calibrate $L --stage relaxation --start spline.json --method three_phas
 mv out cal_phases.json
 expect 3 calibrate $L --nodes 3 --scaling none --stage all --method three_phase --depth-mm 2 --steps 200 --hold-s 20 --dt-ms 20 --degree 2 --json
 mv out cal_thesis.json
+for tip in plate "sphere --tip-radius-mm 6"; do
+    expect 0 simulate spline.json --protocol static --relaxed --depth-mm 2 --sample-Hz 2 $([ "$tip" = plate ] || echo --tip $tip) --out tip_${tip%% *}.csv
+done
+expect 0 calibrate $L --nodes 3 --stage static --degree 2 tip_plate.csv tip_sphere.csv --json && mv out cal_tips.json
 expect 0 calibrate $L --nodes 3 --stage all --depth-mm 2,4 --steps 200 --hold-s 20 --degree 2 --strain-dependent --json --out beta.json
 mv out cal_beta.json
 { printf '# palpate.experiment: 1\n# tool.radius_mm: 4\n# tool.friction: 0.2\ntime_s,depth_mm,force_N,tool_x_mm,tool_y_mm,tool_z_mm\n'
@@ -96,7 +100,7 @@ set -- experiment=run_1.csv experiment=run_static.csv experiment=creep.csv exper
     simulate=sim_creep.json simulate=sim_network.json simulate=sim_deep.json simulate=sim_band.json characterize=characterize_law.json characterize=characterize_specimens.json model=specimens.json model=fractional.json characterize=characterize_tip.json characterize=characterize_tips.json characterize=characterize_cone.json experiment=tip.csv model=lumped.json model=explained.json model=static.json model=spline.json model=all.json \
     model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=characterize_sine.json characterize=fit_characterize.json \
     figure=figure_explain.json figure=figure_fit_characterize.json explain=explain.json explain=explain_out.json explain=explain_power.json explain=explain_likely.json calibrate=cal_static.json \
-    calibrate=cal_spline.json calibrate=cal_all.json calibrate=fit_calibrate.json reduced=reduced.json reduce=reduce.json
+    calibrate=cal_spline.json calibrate=cal_all.json calibrate=cal_tips.json calibrate=fit_calibrate.json reduced=reduced.json reduce=reduce.json
 set -- "$@" protocol=next.json calibrate=cal_start.json reduced=ball.json experiment=ball.csv
 
 # ---- files with every key, which the commands read ----

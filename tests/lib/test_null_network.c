@@ -10,6 +10,16 @@ START_TEST(null_in_calibrate) {
     REFUSED(palp_calibrate_static(net, &material, 2, numbers, NULL, (void *)storage, (void *)storage));
     REFUSED(palp_calibrate_static(net, &material, 2, numbers, numbers, NULL, (void *)storage));
     REFUSED(palp_calibrate_static(net, &material, 2, numbers, numbers, (void *)storage, NULL));
+    REFUSED(
+        palp_calibrate_presses(NULL, (void *)storage, 1, (void *)storage, (void *)storage, (void *)storage));
+    REFUSED(
+        palp_calibrate_presses((void *)storage, NULL, 1, (void *)storage, (void *)storage, (void *)storage));
+    REFUSED(
+        palp_calibrate_presses((void *)storage, (void *)storage, 1, NULL, (void *)storage, (void *)storage));
+    REFUSED(
+        palp_calibrate_presses((void *)storage, (void *)storage, 1, (void *)storage, NULL, (void *)storage));
+    REFUSED(
+        palp_calibrate_presses((void *)storage, (void *)storage, 1, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_calibrate_two_level(NULL, net, &material, 2, numbers, numbers, (void *)storage,
                                      (void *)storage));
     REFUSED(palp_calibrate_two_level(net, NULL, &material, 2, numbers, numbers, (void *)storage,
@@ -118,6 +128,7 @@ START_TEST(null_in_network) {
     NOTHING(!palp_network_element_strain(NULL));
     NOTHING(!palp_network_unknown_count(NULL));
     NOTHING(palp_network_strain_max(NULL) == 0.0);
+    NOTHING(palp_network_volume_solids(NULL, NULL, NULL, NULL) == 0.0);
     NOTHING(!palp_network_mesh(NULL));
     palp_network_element_force(NULL, numbers);
     palp_network_element_force(net, NULL);
