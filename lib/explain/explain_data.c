@@ -398,6 +398,8 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
         data->n += run->n;
         data->longest = run->n > data->longest ? run->n : data->longest;
         for (size_t i = 0; i < run->n && !status; i++) {
+            run->keep[i] = run->take[i] = 0.0; /* noise is white until its correlation is known */
+            run->weight[i] = !run->use[i] ? 0.0 : run->white > 0.0 ? 1.0 / run->white : 1.0;
             data->peak = fmax(data->peak, run->force[i]);
             data->deepest = fmax(data->deepest, run->depth[i]);
             data->strain = fmax(data->strain, run->depth[i] / run->height);

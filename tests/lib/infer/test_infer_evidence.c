@@ -2,6 +2,7 @@
  * samples, written out. */
 #include "base/dense.h"
 #include "forward_make.h"
+#include "explain/explain_noise.h"
 #include "infer/infer_internal.h"
 
 #include <palpate/random.h>
@@ -218,6 +219,24 @@ END_TEST
 
 /* Twice or half of a learned size is less likely. One that goes to 0 does so slowly: a fifth of a nat is
  * left. */
+/* Lines are looked for in the whitened residual, before any correlation of the noise is known. */
+START_TEST(noise_is_white_until_its_correlation_is_known) {
+    explain_data data;
+    infer_fit fit;
+    palp_model m;
+    static double x[1000];
+    begin(&data, &fit, &m);
+    const explain_run *run = &data.run[0];
+    ck_assert_uint_le(run->n, 1000);
+    for (size_t i = 0; i < run->n; i++)
+        x[i] = 2.0;
+    explain_whiten(run, 1, x);
+    for (size_t i = 0; i < run->n; i++)
+        ck_assert_double_eq_tol(x[i], run->use[i] ? 2.0 / run->white : 0.0, 1e-9 / run->white);
+    end(&data, &fit);
+}
+END_TEST
+
 START_TEST(learned_sizes_are_the_most_likely) {
     explain_data data;
     infer_fit fit, moved;
@@ -249,5 +268,6 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, the_evidence_is_the_joint_normal_density, 2, MOST + 1);
     tcase_add_loop_test(tc, a_specimen_has_the_column_of_its_factor, 0, INFER_SPECIMEN);
     tcase_add_test(tc, the_noise_is_white_after_the_filter);
+    tcase_add_test(tc, noise_is_white_until_its_correlation_is_known);
     tcase_add_test(tc, learned_sizes_are_the_most_likely);
 }
