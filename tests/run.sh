@@ -59,7 +59,8 @@ fi
 jobs=$(nproc)
 case ${MAKEFLAGS-} in *-j*) j= ;; *) j=-j$jobs ;; esac
 
-export OPENBLAS_NUM_THREADS=1 ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1
+# Memory that is not set holds a pattern, so that a result that depends on it is wrong in the plain run.
+export OPENBLAS_NUM_THREADS=1 MALLOC_PERTURB_=165 ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1
 
 build() { # label variables and targets...
     label=$1; shift

@@ -196,6 +196,7 @@ static void take_state(const infer_fit *from, size_t n_runs, infer_fit *fit) {
     fit->sizes = from->sizes;
     fit->c.hum_Hz = from->c.hum_Hz;
     fit->c.renewed = from->c.renewed;
+    memcpy(fit->specimen, from->specimen, INFER_SPECIMEN * n_runs * sizeof *fit->specimen);
     memcpy(fit->c.contact, from->c.contact, n_runs * sizeof *fit->c.contact);
     memcpy(fit->c.gain, from->c.gain, n_runs * sizeof *fit->c.gain);
     memcpy(fit->given + law, from->given + was, 2 * fit->c.model.material.n_arms * sizeof *fit->given);
@@ -246,7 +247,9 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
     palp_status status = work ? infer_fit_create_as(&model, &s->data, NULL, fit) : PALP_ERR_NO_MEMORY;
     if (!status) {
         take_state(&s->fit, s->data.n_runs, fit);
-        status = infer_fit_improve(fit, &s->data, 8);
+        status = infer_fit_evaluate(fit, &s->data);
+        if (!status)
+            status = infer_fit_improve(fit, &s->data, 8);
         if (!status)
             status = infer_noise_learn(fit, &s->data, 60, false);
         if (!status)

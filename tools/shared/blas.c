@@ -26,9 +26,10 @@ static any_function find(const char *name) {
 }
 
 /* Whether memory suffices for OpenBLAS in this number of threads, and 32 MiB more. Without it OpenBLAS
- * retries forever. */
+ * retries forever. A thread beside the first needs a stack and reserves 64 MiB for what it allocates. */
 static bool fits(size_t threads) {
-    const size_t bytes = (threads * 128 + 32) << 20;
+    const size_t each = 128, beside = 64 + 8;
+    const size_t bytes = (threads * each + (threads > 1 ? threads * beside : 0) + 32) << 20;
     void *room = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     return room != MAP_FAILED && munmap(room, bytes) == 0;
 }
