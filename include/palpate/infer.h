@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/* As palp_explain. The model's law becomes a spline of 16 knots, whose smoothness the runs tell; base has the
+/* As palp_explain. The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the
  * law of the given family that is nearest. Of the explanation it leaves the specimens at 0.
  * candidate.score and evidence are log odds and gains of log evidence, nats; candidate.share is how much of
  * the prior variance of its strength the runs take away, and one that keeps half of it is not identifiable.
@@ -22,7 +22,7 @@ PALP_API palp_status palp_infer(const palp_model *model, size_t n, const palp_ex
                                 const palp_explain_settings *settings, palp_explanation *explanation,
                                 palp_error *error);
 
-/* The lumped solid of runs by the same likelihood, without effects: a spline law of 16 knots, and arms as
+/* The lumped solid of runs by the same likelihood, without effects: a spline law of 31 knots, and arms as
  * long as one more gains what --false-alarm wants, at least least_arms and at most most_arms (PALP_ARMS_MAX).
  * The arms are driven by the strain or by the elastic force (quasi-linear), whichever is more probable.
  * specimen: height, radius and known effects; its material is not read. fit: arrays over runs are in the

@@ -133,6 +133,8 @@ static palp_status find_base(const infer_search *s, const palp_model *model, pal
     if (!status)
         e->base.material.law = nearest;
     e->null_threshold = infer_threshold(s->settings);
+    if (!status)
+        status = infer_before_find(s, s->residual);
     e->gap.before_N = explain_fitted_rms(&s->data, s->residual);
     explain_keep_residual(s->residual, e, true);
     return status;
@@ -173,9 +175,9 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
     tell(s, 0.1);
     if (!status)
         status = find_effects(s, e);
-    if (!status) /* sizes and noise moved last: the written numbers are the most probable ones beside them */
-        status = infer_fit_improve(&s->fit, &s->data, INFER_LAST);
-    tell(s, 0.7 - s->told);
+    if (!status)
+        status = infer_fit_converge(&s->fit, &s->data);
+    tell(s, INFER_SEARCH_SHARE - s->told);
     if (status)
         return status;
     e->model = s->fit.c.model;
@@ -185,11 +187,22 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
     e->model.n_specimens = e->specimens.between ? e->specimens.n : 0;
     if (!status)
         status = infer_describe(s, e);
+    if (s->n_given > s->data.given->n_effects && e->n_effects < PALP_EXPLAIN_EFFECTS)
+        e->effect[e->n_effects++] = explain_frame_effect(&s->data);
     mark_accepted(e);
     tell(s, 0.1);
     if (!status)
         status = conclude(s, model, e);
     tell(s, 0.1);
+    return status;
+}
+
+/* Whether the model goes along the first run at all; what it cannot do is said in words. */
+static palp_status can_be_followed(const palp_model *model, infer_search *s, palp_error *error) {
+    explain_history history = {.load.peak = 0.0};
+    palp_forward_run path = explain_forward_run(&s->data.run[0], 0.0, &history);
+    palp_status status = explain_predict(model, &path, s->residual, NULL, error);
+    palp_load_history_free(&history.load);
     return status;
 }
 
@@ -217,7 +230,11 @@ palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_inp
         if (!status) {
             s->residual = malloc(2 * s->data.n * sizeof *s->residual);
             s->discrepancy = s->residual ? s->residual + s->data.n : NULL;
-            status = s->residual ? infer(s, model, explanation) : PALP_ERR_NO_MEMORY;
+            palp_model framed = *model;
+            s->n_given += explain_frame_add(&s->data, settings, &framed);
+            status = s->residual ? can_be_followed(&framed, s, error) : PALP_ERR_NO_MEMORY;
+            if (!status)
+                status = infer(s, &framed, explanation);
         }
         free(s->step);
         infer_search_free(s);

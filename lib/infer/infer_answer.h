@@ -42,7 +42,10 @@ palp_status infer_next_find(const infer_search *full, const infer_search *rest,
 
 /* ---- what remains (infer_remains.c) ---- */
 
-/* Zeros, contacts and gains of the runs, each with its evidence. */
+/* residual[data.n] of the fit at hand, refitted with one zero, contact and gain for all runs. */
+palp_status infer_before_find(const infer_search *s, double *residual);
+
+/* Zeros, contacts and gains of the runs about their means, each with its evidence. */
 palp_status infer_scatter_find(const infer_search *s, palp_explanation *e);
 
 /* e->discrepancy; s->residual and s->discrepancy are those of the fit at hand. */

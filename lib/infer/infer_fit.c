@@ -9,16 +9,15 @@
 static const double TURN = 6.28318530717958647692;
 static const double WIDE = 3.0; /* prior sd of a logarithm: a factor of 20 */
 
-/* The spline law through the given one. */
-static palp_status spline_of(const palp_law *law, double deepest, palp_law *spline) {
-    double strain[INFER_KNOTS], stiffness[INFER_KNOTS], typical;
+palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, palp_law *spline) {
+    double strain[PALP_LAW_MAX], stiffness[PALP_LAW_MAX], typical;
     palp_law_stiffness(law, deepest, &typical, NULL);
-    for (size_t i = 0; i < INFER_KNOTS; i++) {
-        strain[i] = deepest * (double)i / (INFER_KNOTS - 1);
+    for (size_t i = 0; i < knots; i++) {
+        strain[i] = deepest * (double)i / (double)(knots - 1);
         palp_law_stiffness(law, strain[i], &stiffness[i], NULL);
         stiffness[i] = fmax(stiffness[i], 1e-3 * fabs(typical));
     }
-    return palp_law_spline(INFER_KNOTS, strain, stiffness, spline);
+    return palp_law_spline(knots, strain, stiffness, spline);
 }
 
 static void set_priors(infer_fit *fit) {
@@ -29,9 +28,14 @@ static void set_priors(infer_fit *fit) {
         fit->given[a] = fit->c.x[a];
         fit->width[a] = fit->c.logarithmic[a] || a >= effects ? WIDE : fit->c.unit[a];
     }
+    double typical =
+        0.0; /* the law is smooth about a constant: how it bends in the given model is no prior */
+    for (size_t a = 0; a < m->law.n && spline; a++)
+        typical += log(m->law.coefficients[a]) / (double)m->law.n;
     for (size_t a = 0; a < m->law.n && spline; a++) {
         fit->c.logarithmic[a] = true;
-        fit->c.x[a] = fit->given[a] = log(m->law.coefficients[a]);
+        fit->c.x[a] = log(m->law.coefficients[a]);
+        fit->given[a] = typical;
         fit->c.low[a] = fit->c.x[a] - 5.0 * WIDE;
         fit->c.high[a] = fit->c.x[a] + 5.0 * WIDE;
         fit->width[a] = WIDE;
@@ -78,7 +82,7 @@ palp_status infer_fit_create(const palp_model *model, const explain_data *data, 
     palp_model splined = *model;
     palp_status status = PALP_OK;
     if (model->material.law.kind != PALP_LAW_SPLINE)
-        status = spline_of(&model->material.law, data->strain, &splined.material.law);
+        status = infer_spline_of(&model->material.law, INFER_KNOTS, data->strain, &splined.material.law);
     if (!status)
         status = infer_fit_create_as(&splined, data, like, fit);
     else
@@ -104,7 +108,10 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
     fit->noise = first_noise(data);
     fit->sizes = infer_sizes_first(data);
     set_priors(fit);
+    for (size_t i = 0; i < PALP_LAW_MAX; i++)
+        fit->certain[i] = 1.0;
     if (like) {
+        memcpy(fit->certain, like->certain, sizeof fit->certain);
         fit->noise = like->noise;
         fit->sizes = like->sizes;
         fit->c.hum_Hz = like->c.hum_Hz;
@@ -137,6 +144,18 @@ void infer_fit_free(infer_fit *fit) {
     explain_fit_free(&fit->c);
     free(fit->raw);
     memset(fit, 0, sizeof *fit);
+}
+
+void infer_fit_take_state(const infer_fit *from, size_t n_runs, infer_fit *fit) {
+    const size_t law = fit->c.model.material.law.n, was = from->c.model.material.law.n;
+    fit->noise = from->noise;
+    fit->sizes = from->sizes;
+    fit->c.hum_Hz = from->c.hum_Hz;
+    fit->c.renewed = from->c.renewed;
+    memcpy(fit->specimen, from->specimen, INFER_SPECIMEN * n_runs * sizeof *fit->specimen);
+    memcpy(fit->c.contact, from->c.contact, n_runs * sizeof *fit->c.contact);
+    memcpy(fit->c.gain, from->c.gain, n_runs * sizeof *fit->c.gain);
+    memcpy(fit->given + law, from->given + was, 2 * fit->c.model.material.n_arms * sizeof *fit->given);
 }
 
 /* ---- columns ---- */

@@ -16,8 +16,9 @@ enum { INFER_LOADING, INFER_UNLOADING, INFER_SINCE_TURN, INFER_DOMAINS };
 enum { INFER_NODES = 12, INFER_HATS = INFER_DOMAINS * INFER_NODES };
 enum { INFER_LENGTHS = 2 }; /* correlation lengths of each, as shares of the range: infer_lengths */
 enum { INFER_BLOCK = INFER_OWN + INFER_HATS };
-enum { INFER_SLOW = 4 };   /* processes of the correlated noise, from a few samples to the longest run */
-enum { INFER_KNOTS = 16 }; /* of the law */
+enum { INFER_SLOW = 4 }; /* processes of the correlated noise, from a few samples to the longest run */
+/* Knots of the law: half the intervals of the coarse one, with which a search begins. */
+enum { INFER_COARSE = 16, INFER_KNOTS = 2 * INFER_COARSE - 1 };
 
 extern const double infer_lengths[INFER_LENGTHS];
 
@@ -33,7 +34,7 @@ typedef struct infer_sizes {
     double specimen[INFER_SPECIMEN];
     double common[INFER_DOMAINS][INFER_LENGTHS]; /* discrepancy of all runs, N */
     double each[INFER_DOMAINS][INFER_LENGTHS];   /* of each run, N */
-    double bend;                                 /* of log K from knot to knot, second differences */
+    double bend; /* of log K from knot to knot, second differences: scale of their Cauchy prior */
 } infer_sizes;
 
 /* One block of columns of a run: [k parameters | INFER_OWN | INFER_HATS | INFER_SPECIMEN | residual], each
@@ -48,6 +49,7 @@ typedef struct infer_fit {
     double *raw;                   /* all runs' columns, run r at raw + first sample m */
     double *product;               /* [n_runs m m] of the whitened ones */
     double *specimen;              /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
+    double certain[PALP_LAW_MAX];  /* of each bend: expected precision, in units of sizes.bend's */
     double log_noise;              /* log determinant of the noise's covariance */
     double score;                  /* log Z, nats */
 } infer_fit;
@@ -89,6 +91,9 @@ double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *
 /* Precision q[k k] of the coordinates, about fit->given; returns its log determinant. */
 palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *q, double *log_det);
 
+/* Log evidence that the expected precisions of the bends add: 0 where all are 1. */
+double infer_bends_evidence(const infer_fit *fit);
+
 /* Whether a specimen was pressed more than once. A gain of a run is that of its specimen otherwise. */
 bool infer_pressed_again(const explain_data *data);
 
@@ -128,6 +133,10 @@ palp_status infer_fit_create(const palp_model *model, const explain_data *data, 
 /* The same with the model's law as it is. like: of a law with as many coefficients. */
 palp_status infer_fit_create_as(const palp_model *model, const explain_data *data, const infer_fit *like,
                                 infer_fit *fit);
+/* What another fit of the same arms and effects has, but for its law. */
+void infer_fit_take_state(const infer_fit *from, size_t n_runs, infer_fit *fit);
+/* The spline law through another one. */
+palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, palp_law *spline);
 palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to);
 void infer_fit_free(infer_fit *fit);
 
@@ -146,8 +155,13 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
 /* Parameters, contacts and sizes in turn; with noise, that too. (infer_settle.c) */
 palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise);
 
+/* To where another round changes its score by a thousandth of a nat: what is written does not depend on how
+ * the search came there. */
+palp_status infer_fit_converge(infer_fit *fit, const explain_data *data);
+
 /* The same for a fit just made, from a first guess of all sizes, in two ways, of which the more probable one
- * is kept: as it is; and its parameters first without a discrepancy, which could take their place. */
+ * is kept: as it is; and its parameters first without a discrepancy, which could take their place. A law of
+ * INFER_KNOTS begins with the coarse one's. */
 palp_status infer_begin(infer_fit *fit, const explain_data *data);
 
 enum {

@@ -189,19 +189,6 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
 
 /* ---- the family's own fit ---- */
 
-/* What the family's fit has of the spline's: all but the law. */
-static void take_state(const infer_fit *from, size_t n_runs, infer_fit *fit) {
-    const size_t law = fit->c.model.material.law.n, was = from->c.model.material.law.n;
-    fit->noise = from->noise;
-    fit->sizes = from->sizes;
-    fit->c.hum_Hz = from->c.hum_Hz;
-    fit->c.renewed = from->c.renewed;
-    memcpy(fit->specimen, from->specimen, INFER_SPECIMEN * n_runs * sizeof *fit->specimen);
-    memcpy(fit->c.contact, from->c.contact, n_runs * sizeof *fit->c.contact);
-    memcpy(fit->c.gain, from->c.gain, n_runs * sizeof *fit->c.gain);
-    memcpy(fit->given + law, from->given + was, 2 * fit->c.model.material.n_arms * sizeof *fit->given);
-}
-
 /* Log evidence of the family's fit under m, its prior's precision about the given coefficients, in place of
  * the wide one. */
 static palp_status weigh_family(const infer_fit *fit, const explain_data *data, const palp_law *given,
@@ -246,7 +233,7 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
     double *work = malloc(2 * s->data.n * sizeof *work);
     palp_status status = work ? infer_fit_create_as(&model, &s->data, NULL, fit) : PALP_ERR_NO_MEMORY;
     if (!status) {
-        take_state(&s->fit, s->data.n_runs, fit);
+        infer_fit_take_state(&s->fit, s->data.n_runs, fit);
         status = infer_fit_evaluate(fit, &s->data);
         if (!status)
             status = infer_fit_improve(fit, &s->data, 8);

@@ -229,7 +229,7 @@ void infer_posterior_free(infer_posterior *p) {
 }
 
 double infer_log_evidence(const infer_fit *fit, const infer_posterior *p) {
-    return -0.5 * (p->chi2 + fit->log_noise + p->log_det - p->log_prior);
+    return infer_bends_evidence(fit) - 0.5 * (p->chi2 + fit->log_noise + p->log_det - p->log_prior);
 }
 
 /* -d own / d global of the specimen of run r: slope[SPECIMEN (g + 1)], and the best own without a step as the

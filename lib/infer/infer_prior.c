@@ -68,8 +68,8 @@ palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *
             sd = fit->c.unit[a];
         q[a * k + a] = 1.0 / (sd * sd);
     }
-    const double weight = 1.0 / (fit->sizes.bend * fit->sizes.bend);
     for (size_t i = 1; spline && i + 1 < fit->c.model.material.law.n; i++) {
+        const double weight = fit->certain[i] / (fit->sizes.bend * fit->sizes.bend);
         const double d[3] = {1.0, -2.0, 1.0};
         for (size_t a = 0; a < 3; a++)
             for (size_t b = 0; b < 3; b++)
@@ -83,6 +83,17 @@ palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *
     *log_det = definite ? dense_log_determinant(k, copy) : 0.0;
     free(copy);
     return definite ? PALP_OK : PALP_ERR_SINGULAR;
+}
+
+/* The bends' precisions have independent gamma distributions of shape and rate 1/2 (the bends' is Cauchy's
+ * then); q of each, of shape 1, is the nearest to its posterior. The bound of the evidence has the expected
+ * log of the prior over q, less what the determinant with the expected precision has too much. */
+double infer_bends_evidence(const infer_fit *fit) {
+    const palp_law *law = &fit->c.model.material.law;
+    double sum = 0.0;
+    for (size_t i = 1; law->kind == PALP_LAW_SPLINE && i + 1 < law->n; i++)
+        sum += 0.5 * (log(fit->certain[i]) - fit->certain[i] + 1.0);
+    return sum;
 }
 
 bool infer_pressed_again(const explain_data *data) {

@@ -15,32 +15,119 @@ static palp_status learn_without(infer_fit *fit, const explain_data *data) {
     return status ? status : infer_noise_learn(fit, data, 60, false);
 }
 
-/* The fit at hand with no zero, contact or gain of the runs' own. */
-static palp_status find_scatter(const infer_search *s, int which, palp_explain_scatter *out) {
-    *out = (palp_explain_scatter){.sd = s->fit.sizes.own[which],
-                                  .without_N = explain_fitted_rms(&s->data, s->residual)};
-    if (!(out->sd > 0.0))
-        return PALP_OK;
-    infer_fit without;
-    double *work = malloc(2 * s->data.n * sizeof *work);
-    palp_status status = work ? infer_fit_copy(&s->fit, &s->data, &without) : PALP_ERR_NO_MEMORY;
-    if (!status) {
-        const double left = out->without_N;
-        without.sizes.own[which] = 0.0;
-        if (which == INFER_CONTACT)
-            memset(without.c.contact, 0, s->data.n_runs * sizeof *without.c.contact);
-        if (which == INFER_GAIN)
-            memset(without.c.gain, 0, s->data.n_runs * sizeof *without.c.gain);
-        status = learn_without(&without, &s->data);
-        if (!status)
-            status = infer_residual(&without, &s->data, work, work + s->data.n);
-        if (!status) {
-            out->without_N = explain_fitted_rms(&s->data, work);
-            out->evidence = s->fit.score - without.score;
-            out->found = out->evidence > infer_threshold(s->settings) && out->without_N > left;
+/* An effect that is of all runs what each has of its own, unless the model has it. */
+static void share(palp_model *model, palp_effect_id id, double value) {
+    for (size_t i = 0; i < model->n_effects; i++)
+        if (model->effects[i].id == id)
+            return;
+    if (model->n_effects == PALP_EFFECTS_MAX)
+        return;
+    palp_effect *effect = &model->effects[model->n_effects++];
+    palp_effect_default(id, effect);
+    effect->value[0] = value;
+}
+
+/* Means of the runs' own, [INFER_OWN]; square: sums of their squares about these. */
+static palp_status find_means(const infer_search *s, double mean[INFER_OWN], double square[INFER_OWN]) {
+    infer_posterior p;
+    double own[INFER_BLOCK], n = 0.0;
+    memset(mean, 0, INFER_OWN * sizeof *mean);
+    memset(square, 0, INFER_OWN * sizeof *square);
+    palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
+    for (size_t r = 0; r < s->data.n_runs && !status; r++) {
+        if (s->data.run[r].held_out)
+            continue;
+        n += 1.0;
+        status = infer_own(&s->fit, &p, r, own, NULL);
+        for (size_t a = 0; a < INFER_OWN && !status; a++) {
+            const double off = own[a] - mean[a];
+            mean[a] += off / n;
+            square[a] += off * off * (n - 1.0) / n;
         }
-        infer_fit_free(&without);
     }
+    infer_posterior_free(&p);
+    return status;
+}
+
+/* The fit at hand with one zero, contact or gain for all runs where common says so, refitted: that of the
+ * model, or another one (mean, NULL: not tried), if it is more probable. The law takes a gain in. */
+static palp_status refit_in_common(const infer_search *s, const bool common[INFER_GAIN + 1],
+                                   const double *mean, infer_fit *fit) {
+    palp_model model = s->fit.c.model;
+    if (mean && common[INFER_ZERO])
+        share(&model, PALP_EFFECT_SENSOR_BIAS, mean[INFER_ZERO]);
+    if (mean && common[INFER_CONTACT] && !s->data.contacts_alike)
+        share(&model, PALP_EFFECT_CONTACT_OFFSET, mean[INFER_CONTACT]);
+    palp_status status = infer_fit_create(&model, &s->data, &s->fit, fit);
+    if (status)
+        return status;
+    for (size_t a = 0; a <= INFER_GAIN; a++)
+        fit->sizes.own[a] = common[a] ? 0.0 : fit->sizes.own[a];
+    if (common[INFER_CONTACT])
+        memset(fit->c.contact, 0, s->data.n_runs * sizeof *fit->c.contact);
+    if (common[INFER_GAIN])
+        memset(fit->c.gain, 0, s->data.n_runs * sizeof *fit->c.gain);
+    status = infer_fit_evaluate(fit, &s->data);
+    return status ? status : learn_without(fit, &s->data);
+}
+
+static palp_status fit_in_common(const infer_search *s, const bool common[INFER_GAIN + 1],
+                                 const double mean[INFER_OWN], infer_fit *fit) {
+    infer_fit shared = {.raw = NULL};
+    palp_status status = refit_in_common(s, common, NULL, fit);
+    const bool effects = common[INFER_ZERO] || common[INFER_CONTACT];
+    if (!status && effects && s->fit.score - fit->score > infer_threshold(s->settings))
+        status = refit_in_common(s, common, mean, &shared);
+    if (!status && shared.raw && shared.score > fit->score) {
+        const infer_fit worse = *fit;
+        *fit = shared;
+        shared = worse;
+    }
+    if (shared.raw)
+        infer_fit_free(&shared);
+    return status;
+}
+
+palp_status infer_before_find(const infer_search *s, double *residual) {
+    static const bool all[INFER_GAIN + 1] = {true, true, true};
+    double mean[INFER_OWN], square[INFER_OWN], *work = malloc(s->data.n * sizeof *work);
+    infer_fit fit = {.raw = NULL};
+    palp_status status = work ? find_means(s, mean, square) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = fit_in_common(s, all, mean, &fit);
+    if (!status)
+        status = infer_residual(&fit, &s->data, residual, work);
+    if (fit.raw)
+        infer_fit_free(&fit);
+    free(work);
+    return status;
+}
+
+/* What the runs have of their own of one kind, beside one of it for all of them. */
+static palp_status find_scatter(const infer_search *s, int which, palp_explain_scatter *out) {
+    double mean[INFER_OWN], square[INFER_OWN];
+    bool common[INFER_GAIN + 1] = {false};
+    common[which] = true;
+    *out = (palp_explain_scatter){.without_N = explain_fitted_rms(&s->data, s->residual)};
+    palp_status status = find_means(s, mean, square);
+    if (status || !(s->fit.sizes.own[which] > 0.0))
+        return status;
+    const double told = which == INFER_CONTACT ? (double)s->data.n_contact_told : 0.0;
+    const double freedom = (double)explain_fitted_runs(&s->data) - 1.0 + told;
+    out->sd = sqrt((square[which] + told * pow(s->data.contact_told, 2.0)) / fmax(1.0, freedom));
+    const double left = out->without_N;
+    infer_fit without = {.raw = NULL};
+    double *work = malloc(2 * s->data.n * sizeof *work);
+    status = work ? fit_in_common(s, common, mean, &without) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = infer_residual(&without, &s->data, work, work + s->data.n);
+    if (!status) {
+        out->without_N = explain_fitted_rms(&s->data, work);
+        out->evidence = s->fit.score - without.score;
+        out->found = out->evidence > infer_threshold(s->settings) && out->without_N > left;
+    }
+    if (without.raw)
+        infer_fit_free(&without);
     free(work);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }

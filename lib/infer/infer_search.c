@@ -125,14 +125,51 @@ static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_tr
     return status;
 }
 
+/* What drives the material's arms at a strain, of what drives linear ones. */
+static double drive_of(const palp_material *material, double strain) {
+    double first, there;
+    if (!material->quasi_linear)
+        return 1.0;
+    palp_law_stiffness(&material->law, 0.0, &first, NULL);
+    palp_law_stiffness(&material->law, strain, &there, NULL);
+    return there > 0.0 && first > 0.0 ? there / first : 1.0;
+}
+
+/* The material with its arms driven otherwise, as stiff as they were at half the deepest strain. What the
+ * elastic force drives is counted by the stiffness at the surface: a spline's knots of next to no stiffness
+ * begin at a tenth of that at half the deepest strain. */
+static palp_status drive_otherwise(palp_material *m, double strain) {
+    static const double FIRST = 0.1;
+    double typical, stiffness[PALP_LAW_MAX], scale = drive_of(m, strain);
+    palp_status status = PALP_OK;
+    if (!m->quasi_linear && m->law.kind == PALP_LAW_SPLINE) {
+        palp_law_stiffness(&m->law, strain, &typical, NULL);
+        for (size_t i = 0; i < m->law.n; i++)
+            stiffness[i] = fmax(m->law.coefficients[i], FIRST * typical);
+        status = palp_law_set_coefficients(&m->law, stiffness);
+    }
+    m->quasi_linear = !m->quasi_linear;
+    scale /= drive_of(m, strain);
+    for (size_t j = 0; j < m->n_arms; j++) {
+        m->arms[j].stiffness_N *= scale;
+        m->arms[j].viscosity_Ns *= scale;
+    }
+    return status;
+}
+
 /* The arms driven by the elastic force where they follow the strain, and the reverse (Fung 1993, Eq. 3.77).
  */
 static palp_status try_drive(const infer_search *s, infer_trial *t) {
     palp_model model = s->fit.c.model;
     if (model.material.n_arms == 0 || model.kind != PALP_MODEL_LUMPED)
         return PALP_ERR_UNSUPPORTED;
-    model.material.quasi_linear = !model.material.quasi_linear;
-    palp_status status = infer_fit_create(&model, &s->data, &s->fit, &t->fit);
+    const double scale = drive_of(&model.material, 0.5 * s->data.strain);
+    palp_status status = drive_otherwise(&model.material, 0.5 * s->data.strain);
+    for (size_t i = 0; i < model.n_effects && !status; i++)
+        if (effect_row_of(model.effects[i].id)->arm)
+            model.effects[i].value[0] *= scale / drive_of(&model.material, 0.5 * s->data.strain);
+    if (!status)
+        status = infer_fit_create(&model, &s->data, &s->fit, &t->fit);
     return status ? status : infer_fit_evaluate(&t->fit, &s->data);
 }
 
@@ -225,9 +262,12 @@ static void try_task(void *user, size_t i) {
     rank(s, t);
 }
 
-/* Settles a trial's fit if it is among those that promise most; freed where it cannot be. */
+/* Settles a trial's fit if it is among those that promise most, or if its material is another one, which
+ * takes more than a few steps; freed where it cannot be. */
 static palp_status settle_promising(const infer_search *s, infer_fit *fit) {
-    if (!fit->raw || !(fit->score >= s->promising))
+    const bool driven =
+        fit->raw && fit->c.model.material.quasi_linear != s->fit.c.model.material.quasi_linear;
+    if (!fit->raw || !(driven || fit->score >= s->promising))
         return PALP_OK;
     palp_status status = infer_fit_settle(fit, &s->data, 2, false);
     if (status)
@@ -475,10 +515,10 @@ static palp_status keep_step(infer_search *s, int best) {
 palp_status infer_search_run(infer_search *s) {
     palp_status status = PALP_OK;
     bool changed = false;
-    s->step_share = 0.7 / (2.0 * (double)s->settings->max_effects + 2.0);
     for (size_t step = 0; step < 2 * s->settings->max_effects + 2 && !status; step++) {
         if (infer_added(s) >= s->settings->max_effects)
             break;
+        s->step_share = 0.5 * (INFER_SEARCH_SHARE - s->told); /* how many there will be is not known */
         status = infer_try_all(s);
         const int best = status ? INFER_TRIALS : best_trial(s);
         const bool worth = best != INFER_TRIALS && s->trial[best].gain > infer_threshold(s->settings);

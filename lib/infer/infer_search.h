@@ -34,6 +34,8 @@ typedef struct infer_search {
     bool stopped;            /* by settings.stop: some candidates were not tried */
 } infer_search;
 
+#define INFER_SEARCH_SHARE 0.7 /* of all work */
+
 /* Log odds above which a set of effects is preferred: that of no false alarm to one. */
 double infer_threshold(const palp_explain_settings *settings);
 

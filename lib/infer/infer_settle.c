@@ -71,6 +71,29 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
     return status;
 }
 
+palp_status infer_fit_converge(infer_fit *fit, const explain_data *data) {
+    enum { ROUNDS = 12, EVALUATIONS = 10, SIZES = 20, NOISE = 100 };
+    double last = fit->score;
+    infer_sizes_begin_anew(fit, data);
+    palp_status status = infer_fit_products(fit, data);
+    for (size_t i = 0; i < ROUNDS && !status; i++) {
+        bool moved = false;
+        status = infer_sizes_learn(fit, data, SIZES);
+        if (!status)
+            status = infer_noise_learn(fit, data, NOISE, true);
+        if (!status)
+            status = move_contacts(fit, data, &moved);
+        if (!status && moved)
+            status = infer_fit_evaluate(fit, data);
+        if (!status)
+            status = infer_fit_improve(fit, data, EVALUATIONS);
+        if (!status && !moved && fabs(fit->score - last) < 1e-3)
+            break;
+        last = fit->score;
+    }
+    return status;
+}
+
 static palp_status settle_all(infer_fit *fit, const explain_data *data) {
     palp_status status = infer_fit_settle(fit, data, 2, false);
     return status ? status : infer_fit_settle(fit, data, 4, true);
@@ -92,7 +115,7 @@ static palp_status settle_parameters_first(infer_fit *fit, const explain_data *d
     return status ? status : settle_all(fit, data);
 }
 
-palp_status infer_begin(infer_fit *fit, const explain_data *data) {
+static palp_status begin_in_two_ways(infer_fit *fit, const explain_data *data) {
     infer_fit anew;
     palp_status status = infer_fit_evaluate(fit, data);
     if (!status)
@@ -109,4 +132,33 @@ palp_status infer_begin(infer_fit *fit, const explain_data *data) {
     }
     infer_fit_free(&anew);
     return status;
+}
+
+palp_status infer_begin(infer_fit *fit, const explain_data *data) {
+    palp_model model = fit->c.model;
+    palp_law *law = &model.material.law;
+    infer_fit coarse, fine;
+    if (law->kind != PALP_LAW_SPLINE || law->n != INFER_KNOTS)
+        return begin_in_two_ways(fit, data);
+    palp_status status = infer_spline_of(law, INFER_COARSE, law->strain[law->n - 1], law);
+    if (!status)
+        status = infer_fit_create_as(&model, data, NULL, &coarse);
+    if (status)
+        return status;
+    status = begin_in_two_ways(&coarse, data);
+    if (!status) {
+        model = coarse.c.model;
+        status = infer_spline_of(law, INFER_KNOTS, law->strain[law->n - 1], law);
+    }
+    if (!status)
+        status = infer_fit_create_as(&model, data, NULL, &fine);
+    if (!status) {
+        infer_fit_take_state(&coarse, data->n_runs, &fine);
+        fine.sizes.bend = 0.25 * coarse.sizes.bend; /* a second difference goes with the square of its way */
+        infer_fit_free(fit);
+        *fit = fine;
+        status = infer_fit_evaluate(fit, data);
+    }
+    infer_fit_free(&coarse);
+    return status ? status : infer_fit_settle(fit, data, 4, true);
 }

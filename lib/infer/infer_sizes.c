@@ -59,8 +59,10 @@ static void move(double *size, const pair *s, double least) {
         *size = 0.0;
 }
 
-/* Sums over the second differences of the law's coordinates, at the best step. */
-static void add_bends(pair *s, const infer_fit *fit, const double *step, const double *covariance) {
+/* Sums over the second differences of the law's coordinates, at the best step; and what each says of its own
+ * precision. A law may bend sharply at a place (a knee), and be smooth elsewhere: the bends' prior is
+ * Cauchy's, a mixture of normal ones over the precision. */
+static void add_bends(pair *s, infer_fit *fit, const double *step, const double *covariance) {
     const size_t k = fit->k;
     for (size_t i = 1; i + 1 < fit->c.model.material.law.n; i++) {
         const double d[3] = {1.0, -2.0, 1.0};
@@ -70,7 +72,9 @@ static void add_bends(pair *s, const infer_fit *fit, const double *step, const d
             for (size_t b = 0; b < 3; b++)
                 variance += d[a] * d[b] * covariance[(i - 1 + a) * k + i - 1 + b];
         }
-        add_scalar(s, fit->sizes.bend, mean, variance);
+        const double square = (mean * mean + variance) / (fit->sizes.bend * fit->sizes.bend);
+        fit->certain[i] = 2.0 / (1.0 + square);
+        add_scalar(s, fit->sizes.bend, mean * sqrt(fit->certain[i]), variance * fit->certain[i]);
     }
 }
 
@@ -174,25 +178,25 @@ palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t r
 typedef struct noise_search {
     infer_fit *fit;
     const explain_data *data;
-    infer_noise best;
+    infer_noise start, best; /* coordinates are logarithms of what is now over what it was at the start */
     double score;
     palp_status status;
 } noise_search;
 
 enum { NOISES = 2 + INFER_SLOW };
 
-static void set_noise(const double *x, infer_noise *noise) {
-    noise->white = exp(x[0]);
-    noise->depth = exp(x[1]);
+static void set_noise(const double *x, const infer_noise *start, infer_noise *noise) {
+    noise->white = start->white * exp(x[0]);
+    noise->depth = start->depth * exp(x[1]);
     for (int a = 0; a < INFER_SLOW; a++)
-        noise->slow[a] = exp(x[2 + a]);
+        noise->slow[a] = start->slow[a] * exp(x[2 + a]);
 }
 
 static double try_noise(unsigned n, const double *x, double *gradient, void *user) {
     (void)n;
     (void)gradient;
     noise_search *s = user;
-    set_noise(x, &s->fit->noise);
+    set_noise(x, &s->start, &s->fit->noise);
     palp_status status = infer_fit_products(s->fit, s->data);
     if (!status)
         status = infer_fit_score(s->fit, s->data);
@@ -208,15 +212,17 @@ static double try_noise(unsigned n, const double *x, double *gradient, void *use
 }
 
 palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool near) {
-    noise_search s = {.fit = fit, .data = data, .best = fit->noise, .score = fit->score};
+    noise_search s = {.fit = fit, .data = data, .start = fit->noise, .best = fit->noise, .score = fit->score};
     double x[NOISES], low[NOISES], high[NOISES], step[NOISES], value;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
     for (int a = 0; a < NOISES; a++) {
-        const double now = a == 0 ? fit->noise.white : a == 1 ? fit->noise.depth : fit->noise.slow[a - 2];
-        const double unit = a == 1 ? data->deepest / data->peak : 1.0;
-        low[a] = log((a == 0 ? 0.01 * data->run[0].white : hidden) * unit);
-        high[a] = log(data->peak * unit);
-        x[a] = fmin(high[a], fmax(low[a], log(now)));
+        double *now = a == 0 ? &s.start.white : a == 1 ? &s.start.depth : &s.start.slow[a - 2];
+        const double unit = a == 1 ? data->deepest / data->peak : 1.0,
+                     least = (a == 0 ? 0.01 * data->run[0].white : hidden) * unit;
+        *now = fmin(data->peak * unit, fmax(least, *now));
+        low[a] = log(least / *now);
+        high[a] = log(data->peak * unit / *now);
+        x[a] = 0.0;
         step[a] = near ? 0.5 : 1.0;
     }
     nlopt_opt o = nlopt_create(near ? NLOPT_LN_BOBYQA : NLOPT_LN_SBPLX, NOISES);
@@ -226,7 +232,7 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
     nlopt_set_upper_bounds(o, high);
     nlopt_set_initial_step(o, step);
     nlopt_set_min_objective(o, try_noise, &s);
-    nlopt_set_ftol_abs(o, 0.05);
+    nlopt_set_ftol_abs(o, near ? 1e-3 : 0.05);
     nlopt_set_maxeval(o, (int)evaluations);
     nlopt_optimize(o, x, &value);
     nlopt_destroy(o);
