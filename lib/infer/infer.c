@@ -162,10 +162,34 @@ static palp_status find_effects(infer_search *s, palp_explanation *e) {
     return status;
 }
 
-static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {
+/* s->fit of the model as given. What its effects leave in a specimen may last from run to run or not: the more
+ * probable one. */
+static palp_status begin(infer_search *s, const palp_model *model) {
+    infer_fit renewed;
+    bool may_recover = false;
     palp_status status = infer_fit_create(model, &s->data, NULL, &s->fit);
     if (!status)
         status = infer_begin(&s->fit, &s->data);
+    for (size_t i = 0; i < model->n_effects; i++)
+        may_recover = may_recover || explain_may_recover(&s->data, model->effects[i].id);
+    if (status || !may_recover)
+        return status;
+    status = infer_fit_create(model, &s->data, NULL, &renewed);
+    if (status)
+        return status;
+    renewed.c.renewed = true;
+    status = infer_begin(&renewed, &s->data);
+    if (!status && renewed.score > s->fit.score) {
+        const infer_fit worse = s->fit;
+        s->fit = renewed;
+        renewed = worse;
+    }
+    infer_fit_free(&renewed);
+    return status;
+}
+
+static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {
+    palp_status status = begin(s, model);
     if (!status)
         status = copy_runs(s, e);
     if (!status)
@@ -177,6 +201,8 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
         status = find_effects(s, e);
     if (!status)
         status = infer_fit_converge(&s->fit, &s->data);
+    if (!status)
+        status = infer_keep_given_arms(s);
     tell(s, INFER_SEARCH_SHARE - s->told);
     if (status)
         return status;

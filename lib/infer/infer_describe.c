@@ -45,7 +45,8 @@ static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *ou
     return status == PALP_ERR_STOPPED ? PALP_OK : status;
 }
 
-/* Intervals of 95 %: of a coordinate, from the posterior's curvature. */
+/* Intervals of 95 %, from the posterior's curvature: of what cannot be negative in its logarithm, and of all
+ * else as it is. */
 static palp_status find_intervals(const infer_search *s, size_t at, palp_explain_effect *out) {
     infer_posterior p;
     palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
@@ -53,14 +54,17 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
         return status;
     const size_t first = explain_first_column(&s->fit.c.model, at);
     double *unit = calloc(p.g, sizeof *unit);
-    for (size_t k = 0; unit && k < palp_effect_look_up(out->effect.id)->n_parameters; k++) {
+    const palp_effect_info *info = palp_effect_look_up(out->effect.id);
+    for (size_t k = 0; unit && k < info->n_parameters; k++) {
         memset(unit, 0, p.g * sizeof *unit);
         unit[INFER_HATS + first + k] = 1.0;
         dense_forward(p.g, p.factor, 1, unit);
-        const double x = s->fit.c.x[first + k], reach = 1.96 * sqrt(dense_dot(p.g, unit, unit));
+        const double reach = 1.96 * sqrt(dense_dot(p.g, unit, unit)), value = out->effect.value[k];
         const bool logarithmic = s->fit.c.logarithmic[first + k];
-        out->low[k] = logarithmic ? exp(x - reach) : x - reach;
-        out->high[k] = logarithmic ? exp(x + reach) : x + reach;
+        const bool positive = logarithmic || (info->parameter[k].low >= 0.0 && value > 0.0);
+        const double ratio = exp(logarithmic ? reach : reach / value);
+        out->low[k] = positive ? value / ratio : value - reach;
+        out->high[k] = positive ? value * ratio : value + reach;
     }
     free(unit);
     infer_posterior_free(&p);

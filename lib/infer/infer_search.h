@@ -50,6 +50,10 @@ palp_status infer_search_run(infer_search *s);
 palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest);
 void infer_search_free(infer_search *s); /* but for its data */
 
+/* An added arm and one of the given model change places where that one is then nearer to what was given, and
+ * no force changes. (infer_arms.c) */
+palp_status infer_keep_given_arms(infer_search *s);
+
 size_t infer_added(const infer_search *s); /* how many effects, the mains' hum the last */
 /* How the specimens differ, into e, and each run's stiffness. (infer_specimens.c) */
 palp_status infer_specimens_find(const infer_search *s, palp_explanation *e);
