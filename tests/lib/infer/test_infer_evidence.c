@@ -51,6 +51,14 @@ static void begin(explain_data *data, infer_fit *fit, palp_model *m) {
     ck_assert_int_eq(infer_fit_create(m, data, NULL, fit), PALP_OK);
     fit->sizes.own[INFER_GAIN] = 0.02;
     fit->noise.depth = 1e-6;
+    fit->noise.clock = 3e-3;
+    fit->noise.encoder = 5e-6;
+    fit->noise.freedom = 4;
+    fit->converter = 0.01;
+    for (size_t i = 0; i < data->n; i++) {
+        fit->sample[i].keep = 0.9 * cos((double)i);
+        fit->sample[i].certain = i % 5 ? 1.1 : 0.3;
+    }
     ck_assert_int_eq(infer_fit_evaluate(fit, data), PALP_OK);
     ck_assert_int_eq(infer_fit_score(fit, data), PALP_OK);
 }
@@ -65,8 +73,15 @@ static void end(explain_data *data, infer_fit *fit) {
 /* Covariance of the noise alone between samples i and j of run r. */
 static double noise_between(const infer_fit *fit, const explain_data *data, size_t r, size_t i, size_t j) {
     const explain_run *run = &data->run[r];
-    const double *slope = fit->raw + r * EACH * fit->m + (fit->k + INFER_CONTACT) * EACH;
-    double sum = i == j ? pow(fit->noise.white, 2) + pow(slope[i] * fit->noise.depth, 2) : 0;
+    const infer_sample *at = fit->sample + r * EACH, *s = &at[i];
+    double encoder = pow(fit->noise.encoder, 2) * s->by_depth * at[j].by_depth, sum = 0;
+    if (i == j)
+        sum = (pow(fit->noise.white, 2) + pow(fit->converter, 2) / 12 + pow(s->by_depth * fit->noise.depth, 2) +
+               pow(s->by_time * fit->noise.clock, 2)) /
+              s->certain;
+    for (size_t k = (i < j ? i : j) + 1; k <= (i < j ? j : i); k++)
+        encoder *= at[k].keep;
+    sum += encoder;
     for (size_t a = 0; a < INFER_SLOW; a++)
         sum += pow(fit->noise.slow[a], 2) * exp(-fabs(run->time[i] - run->time[j]) / fit->noise.time[a]);
     return sum;
@@ -145,7 +160,10 @@ START_TEST(the_evidence_is_the_joint_normal_density) {
     add_effects(&fit, prior, c);
     ck_assert(dense_cholesky(n, c));
     dense_forward(n, c, 1, y);
-    const double expected = -0.5 * (dense_dot(n, y, y) + dense_log_determinant(n, c));
+    double expected = -0.5 * (dense_dot(n, y, y) + dense_log_determinant(n, c));
+    for (size_t i = 0; i < n; i++)
+        if (data.run[i / EACH].use[i % EACH])
+            expected += infer_tail_evidence(fit.noise.freedom, fit.sample[i].certain);
     ck_assert_double_eq_tol(fit.score, expected, 1e-6 * fabs(expected));
     free(c);
     end(&data, &fit);
@@ -190,19 +208,20 @@ START_TEST(the_noise_is_white_after_the_filter) {
     infer_fit fit;
     palp_model m;
     begin(&data, &fit, &m);
-    static double x[EACH * EACH], work[EACH * (2 * INFER_SLOW + 1 + INFER_SLOW)], variance[EACH],
-        c[EACH * EACH];
+    static double x[EACH * EACH], work[EACH * (INFER_FILTER + INFER_STATES)], variance[EACH],
+        c[EACH * EACH], v[EACH], inverse[EACH];
     const explain_run *run = &data.run[1];
     memset(x, 0, sizeof x);
     for (size_t i = 0; i < EACH; i++) {
         x[i * EACH + i] = 1; /* the filter's matrix, a row a sample */
-        variance[i] = noise_between(&fit, &data, 1, i, i);
-        for (size_t a = 0; a < INFER_SLOW; a++)
-            variance[i] -= pow(fit.noise.slow[a], 2);
+        v[i] = sin((double)i);
         for (size_t j = 0; j < EACH; j++)
             c[i * EACH + j] = noise_between(&fit, &data, 1, i, j);
     }
-    const double log_det = infer_whiten(&fit.noise, EACH, run->time, variance, run->use, EACH, x, work);
+    const infer_sample *sample = fit.sample + EACH;
+    infer_variance(&fit, EACH, sample, variance);
+    const double log_det =
+        infer_whiten(&fit.noise, EACH, run->time, sample, variance, run->use, EACH, x, work);
     for (size_t i = 0; i < EACH; i++)
         for (size_t j = 0; j < EACH; j++) {
             double sum = 0;
@@ -213,6 +232,19 @@ START_TEST(the_noise_is_white_after_the_filter) {
         }
     ck_assert(dense_cholesky(EACH, c));
     ck_assert_double_eq_tol(log_det, dense_log_determinant(EACH, c), 1e-8);
+    static double y[EACH];
+    memcpy(y, v, sizeof y);
+    infer_whiten(&fit.noise, EACH, run->time, sample, variance, run->use, 1, v, work);
+    infer_unwhiten(EACH, work, v, inverse);
+    dense_cholesky_solve(EACH, c, 1, y);
+    for (size_t i = 0; i < EACH; i++) {
+        static double unit[EACH];
+        memset(unit, 0, sizeof unit);
+        unit[i] = 1;
+        dense_cholesky_solve(EACH, c, 1, unit);
+        ck_assert_double_eq_tol(v[i], y[i], 1e-9 * fmax(1, fabs(y[i])));
+        ck_assert_double_eq_tol(inverse[i], unit[i], 1e-9 * unit[i]);
+    }
     end(&data, &fit);
 }
 END_TEST
