@@ -56,18 +56,19 @@ static void set_priors(infer_fit *fit) {
     }
 }
 
-/* Noise as the samples show it: a first guess of what is learned. */
-static infer_noise first_noise(const explain_data *data) {
+void infer_noise_begin(infer_fit *fit, const explain_data *data) {
     const double white = data->run[0].white, shortest = 4.0 * data->step, longest = data->duration;
-    infer_noise noise = {.white = white,
-                         .depth = 1e-3 * white * data->deepest / data->peak,
-                         .clock = 1e-3 * white * data->deepest / data->fastest / data->peak,
-                         .freedom = 30.0};
+    fit->noise = (infer_noise){.white = white,
+                               .depth = 1e-3 * white * data->deepest / data->peak,
+                               .clock = 1e-3 * white * data->deepest / data->fastest / data->peak,
+                               .freedom = 1000.0};
     for (int a = 0; a < INFER_SLOW; a++) {
-        noise.slow[a] = 0.3 * white;
-        noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
+        fit->noise.slow[a] = 0.3 * white;
+        fit->noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
     }
-    return noise;
+    for (size_t i = 0; i < data->n; i++)
+        fit->sample[i].certain = 1.0;
+    infer_steps_find(fit, data);
 }
 
 /* What fit->raw has room for: columns, products, the specimens' own, and what the noise depends on. */
@@ -110,10 +111,8 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
     }
     place(fit, data);
     memset(fit->specimen, 0, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
-    fit->noise = first_noise(data);
-    for (size_t i = 0; i < data->n; i++)
-        fit->sample[i] = (infer_sample){.certain = 1.0};
-    infer_steps_find(fit, data);
+    memset(fit->sample, 0, data->n * sizeof *fit->sample);
+    infer_noise_begin(fit, data);
     fit->sizes = infer_sizes_first(data);
     set_priors(fit);
     for (size_t i = 0; i < PALP_LAW_MAX; i++)

@@ -22,7 +22,7 @@ enum { INFER_COARSE = 16, INFER_KNOTS = 2 * INFER_COARSE - 1 };
 
 extern const double infer_lengths[INFER_LENGTHS];
 
-enum { INFER_STATES = INFER_SLOW + 1 }; /* of the filter: these and the encoder's error */
+enum { INFER_STATES = INFER_SLOW + 1 };       /* of the filter: these and the encoder's error */
 enum { INFER_FILTER = 3 * INFER_STATES + 1 }; /* what it keeps of a sample: decays, gains, rows, sd */
 
 /* Standard deviations of what is independent from sample to sample and of what is correlated. */
@@ -93,8 +93,14 @@ double infer_whiten(const infer_noise *noise, size_t n, const double *time, cons
  * column, and inverse[n] the inverse's diagonal. */
 void infer_unwhiten(size_t n, const double *work, double *x, double *inverse);
 
+/* Noise as the samples show it, without tails: a first guess of what is learned. (infer_fit.c) */
+void infer_noise_begin(infer_fit *fit, const explain_data *data);
+
 /* What is independent from sample to sample, of one run: variance[n]. */
 void infer_variance(const infer_fit *fit, size_t n, const infer_sample *sample, double *variance);
+
+/* What a sample adds to the bound of the evidence, of this expected precision. */
+double infer_tail_evidence(double freedom, double certain);
 
 /* ---- steps of encoder and converter (infer_steps.c) ---- */
 
@@ -107,11 +113,17 @@ void infer_steps_find(infer_fit *fit, const explain_data *data);
 
 /* ---- heavy tails (infer_tails.c) ---- */
 
-/* What a sample adds to the bound of the evidence, of this expected precision. */
-double infer_tail_evidence(double freedom, double certain);
-
 /* The samples' expected precisions and the degrees of freedom, at the columns at hand. */
 palp_status infer_tails_learn(infer_fit *fit, const explain_data *data);
+
+/* What sds from the expected precisions lack: these are not known themselves. */
+double infer_tail_widening(const infer_fit *fit);
+
+/* The sd of what is independent from sample to sample, N. */
+double infer_white_level(const infer_fit *fit, const explain_data *data);
+
+/* Lone samples far from their neighbours are events; the likelihood has them all the same. */
+void infer_use_spikes(explain_data *data);
 
 /* ---- priors (infer_prior.c) ---- */
 

@@ -1,4 +1,4 @@
-/* infer_noise.c: one Kalman filter that makes the noise of a run white. */
+/* infer_noise.c: one Kalman filter that makes the noise of a run white; what is independent in it. */
 #include "infer_internal.h"
 
 #include <math.h>
@@ -77,17 +77,39 @@ static double gains(const infer_noise *noise, size_t n, const double *time, cons
     return log_det;
 }
 
-/* One sample of all columns, y[count], and the states [S count] after it. */
-static void whiten_sample(const kept *at, size_t count, double *state, double *y) {
-    const double weight = at->sd > 0.0 ? 1.0 / at->sd : 0.0;
+/* One sample of all columns, y[count], and the states [S count] after it. Four states and the encoder's are
+ * written out, so that a compiler takes several columns at once. */
+static void whiten_sample(const kept *at, size_t count, double *restrict state, double *restrict y) {
+    const double weight = at->sd > 0.0 ? 1.0 / at->sd : 0.0, *d = at->decay, *g = at->gain;
+    const double d0 = d[0], d1 = d[1], d2 = d[2], d3 = d[3], d4 = d[ENCODER], row = at->row[ENCODER];
+    const double g0 = g[0], g1 = g[1], g2 = g[2], g3 = g[3], g4 = g[ENCODER];
+    double *restrict s0 = state, *restrict s1 = s0 + count, *restrict s2 = s1 + count,
+                     *restrict s3 = s2 + count, *restrict s4 = s3 + count;
     for (size_t k = 0; k < count; k++) {
-        double now[S], left = y[k];
-        for (size_t a = 0; a < S; a++) {
-            now[a] = state[a * count + k] * at->decay[a];
-            left -= now[a] * at->row[a];
-        }
-        for (size_t a = 0; a < S; a++)
-            state[a * count + k] = now[a] + at->gain[a] * left;
+        const double a = s0[k] * d0, b = s1[k] * d1, c = s2[k] * d2, e = s3[k] * d3, f = s4[k] * d4;
+        const double left = y[k] - ((a + b) + (c + e)) - f * row;
+        s0[k] = a + g0 * left;
+        s1[k] = b + g1 * left;
+        s2[k] = c + g2 * left;
+        s3[k] = e + g3 * left;
+        s4[k] = f + g4 * left;
+        y[k] = left * weight;
+    }
+}
+
+/* Without an encoder's error. */
+static void whiten_four(const kept *at, size_t count, double *restrict state, double *restrict y) {
+    const double weight = at->sd > 0.0 ? 1.0 / at->sd : 0.0, *d = at->decay, *g = at->gain;
+    const double d0 = d[0], d1 = d[1], d2 = d[2], d3 = d[3], g0 = g[0], g1 = g[1], g2 = g[2], g3 = g[3];
+    double *restrict s0 = state, *restrict s1 = s0 + count, *restrict s2 = s1 + count,
+                     *restrict s3 = s2 + count;
+    for (size_t k = 0; k < count; k++) {
+        const double a = s0[k] * d0, b = s1[k] * d1, c = s2[k] * d2, e = s3[k] * d3;
+        const double left = y[k] - ((a + b) + (c + e));
+        s0[k] = a + g0 * left;
+        s1[k] = b + g1 * left;
+        s2[k] = c + g2 * left;
+        s3[k] = e + g3 * left;
         y[k] = left * weight;
     }
 }
@@ -99,7 +121,7 @@ double infer_whiten(const infer_noise *noise, size_t n, const double *time, cons
     double *state = work + n * INFER_FILTER;
     memset(state, 0, S * count * sizeof *state);
     for (size_t i = 0; i < n; i++)
-        whiten_sample(&all[i], count, state, x + i * count);
+        (noise->encoder > 0.0 ? whiten_sample : whiten_four)(&all[i], count, state, x + i * count);
     return log_det;
 }
 
@@ -122,8 +144,9 @@ void infer_unwhiten(size_t n, const double *work, double *x, double *inverse) {
         inverse[i] = square;
         for (int a = 0; a < S; a++) {
             for (int b = 0; b < S; b++) {
-                v[a][b] += used ? square * k->row[a] * k->row[b] - k->row[a] * turned[b] - turned[a] * k->row[b]
-                                : 0.0;
+                v[a][b] +=
+                    used ? square * k->row[a] * k->row[b] - k->row[a] * turned[b] - turned[a] * k->row[b]
+                         : 0.0;
                 v[a][b] *= k->decay[a] * k->decay[b];
             }
             r[a] = (r[a] + k->row[a] * u) * k->decay[a];
@@ -138,4 +161,13 @@ void infer_variance(const infer_fit *fit, size_t n, const infer_sample *sample, 
         const double depth = sample[i].by_depth * noise->depth, clock = sample[i].by_time * noise->clock;
         variance[i] = (same + depth * depth + clock * clock) / sample[i].certain;
     }
+}
+
+/* A precision w has a gamma distribution of shape and rate freedom / 2; q of it, of shape (freedom + 1) / 2,
+ * is the nearest to its posterior. The bound of the evidence has the expected log of the prior over q, less
+ * what the determinant with the expected precision has too much: 0 for a normal distribution. */
+double infer_tail_evidence(double freedom, double certain) {
+    const double half = 0.5 * freedom, more = half + 0.5;
+    return lgamma(more) - lgamma(half) - half * log(more / half) + more - 0.5 * log(more) +
+           half * (log(certain) - certain);
 }

@@ -248,5 +248,7 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
     fit->noise = s.best;
     if (!s.status)
         s.status = infer_fit_products(fit, data);
-    return s.status ? s.status : infer_fit_score(fit, data);
+    if (!s.status)
+        s.status = infer_fit_score(fit, data);
+    return s.status ? s.status : infer_tails_learn(fit, data);
 }
