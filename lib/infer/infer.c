@@ -45,10 +45,10 @@ static palp_status conclude(infer_search *s, const palp_model *model, palp_expla
     double slow = 0.0;
     for (int a = 0; a < INFER_SLOW; a++)
         slow += noise->slow[a] * noise->slow[a];
-    e->white_N = noise->white;
+    e->white_N = infer_white_level(&s->fit, &s->data);
     e->correlated_N = sqrt(slow);
     e->correlation_s = noise->time[0];
-    e->gap.noise_level_N = hypot(noise->white, e->correlated_N);
+    e->gap.noise_level_N = hypot(e->white_N, e->correlated_N);
     e->gap.after_N = explain_fitted_rms(&s->data, s->residual);
     if (s->data.n_runs == 1) { /* nothing is left out: all of it is fitted */
         e->gap.heldout_before_N = e->gap.before_N;
@@ -254,6 +254,7 @@ palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_inp
         s->n_given = model->n_effects;
         status = explain_data_create(n, inputs, settings, model, &s->data, error);
         if (!status) {
+            infer_use_spikes(&s->data);
             s->residual = malloc(2 * s->data.n * sizeof *s->residual);
             s->discrepancy = s->residual ? s->residual + s->data.n : NULL;
             palp_model framed = *model;

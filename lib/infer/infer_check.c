@@ -18,6 +18,7 @@ static palp_status noise_of_run(const infer_fit *fit, const explain_data *data, 
     only.n = run.n;
     infer_fit part = *fit;
     part.raw = fit->raw + at * fit->m;
+    part.sample = fit->sample + at;
     part.product = malloc(fit->m * fit->m * sizeof *part.product);
     palp_status status = part.product ? infer_fit_products(&part, &only) : PALP_ERR_NO_MEMORY;
     *log_noise = part.log_noise;

@@ -37,7 +37,8 @@ static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *ou
         status = infer_next_find(s, &rest, out, next);
     if (!status) {
         const double before = explain_fitted_rms(&s->data, rest.residual),
-                     after = explain_fitted_rms(&s->data, s->residual), noise = s->fit.noise.white;
+                     after = explain_fitted_rms(&s->data, s->residual),
+                     noise = infer_white_level(&s->fit, &s->data);
         const double gap = before * before - noise * noise;
         out->gap_closed = gap > 0.0 ? fmin(1.0, fmax(0.0, (before * before - after * after) / gap)) : 0.0;
     }
@@ -57,7 +58,7 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
     const palp_effect_info *info = palp_effect_look_up(out->effect.id);
     for (size_t k = 0; unit && k < info->n_parameters; k++) {
         memset(unit, 0, p.g * sizeof *unit);
-        unit[INFER_HATS + first + k] = 1.0;
+        unit[INFER_HATS + first + k] = infer_tail_widening(&s->fit);
         dense_forward(p.g, p.factor, 1, unit);
         const double reach = 1.96 * sqrt(dense_dot(p.g, unit, unit)), value = out->effect.value[k];
         const bool logarithmic = s->fit.c.logarithmic[first + k];

@@ -56,25 +56,31 @@ static void set_priors(infer_fit *fit) {
     }
 }
 
-/* Noise as the samples show it: a first guess of what is learned. */
-static infer_noise first_noise(const explain_data *data) {
+void infer_noise_begin(infer_fit *fit, const explain_data *data) {
     const double white = data->run[0].white, shortest = 4.0 * data->step, longest = data->duration;
-    infer_noise noise = {.white = white, .depth = 1e-3 * white * data->deepest / data->peak};
+    fit->noise = (infer_noise){.white = white,
+                               .depth = 1e-3 * white * data->deepest / data->peak,
+                               .clock = 1e-3 * white * data->deepest / data->fastest / data->peak,
+                               .freedom = 1000.0};
     for (int a = 0; a < INFER_SLOW; a++) {
-        noise.slow[a] = 0.3 * white;
-        noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
+        fit->noise.slow[a] = 0.3 * white;
+        fit->noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
     }
-    return noise;
+    for (size_t i = 0; i < data->n; i++)
+        fit->sample[i].certain = 1.0;
+    infer_steps_find(fit, data);
 }
 
-/* What fit->raw has room for: columns, products, and the specimens' own. */
+/* What fit->raw has room for: columns, products, the specimens' own, and what the noise depends on. */
 static size_t room(const infer_fit *fit, const explain_data *data) {
-    return data->n * fit->m + data->n_runs * (fit->m * fit->m + INFER_SPECIMEN);
+    return data->n * (fit->m + sizeof *fit->sample / sizeof(double)) +
+           data->n_runs * (fit->m * fit->m + INFER_SPECIMEN);
 }
 
 static void place(infer_fit *fit, const explain_data *data) {
     fit->product = fit->raw + data->n * fit->m;
     fit->specimen = fit->product + data->n_runs * fit->m * fit->m;
+    fit->sample = (infer_sample *)(fit->specimen + data->n_runs * INFER_SPECIMEN);
 }
 
 palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
@@ -105,7 +111,8 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
     }
     place(fit, data);
     memset(fit->specimen, 0, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
-    fit->noise = first_noise(data);
+    memset(fit->sample, 0, data->n * sizeof *fit->sample);
+    infer_noise_begin(fit, data);
     fit->sizes = infer_sizes_first(data);
     set_priors(fit);
     for (size_t i = 0; i < PALP_LAW_MAX; i++)
@@ -113,6 +120,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
     if (like) {
         memcpy(fit->certain, like->certain, sizeof fit->certain);
         fit->noise = like->noise;
+        memcpy(fit->sample, like->sample, data->n * sizeof *fit->sample);
         fit->sizes = like->sizes;
         fit->c.hum_Hz = like->c.hum_Hz;
         fit->c.renewed = like->c.renewed;
@@ -146,9 +154,11 @@ void infer_fit_free(infer_fit *fit) {
     memset(fit, 0, sizeof *fit);
 }
 
-void infer_fit_take_state(const infer_fit *from, size_t n_runs, infer_fit *fit) {
+void infer_fit_take_state(const infer_fit *from, const explain_data *data, infer_fit *fit) {
+    const size_t n_runs = data->n_runs;
     const size_t law = fit->c.model.material.law.n, was = from->c.model.material.law.n;
     fit->noise = from->noise;
+    memcpy(fit->sample, from->sample, data->n * sizeof *fit->sample);
     fit->sizes = from->sizes;
     fit->c.hum_Hz = from->c.hum_Hz;
     fit->c.renewed = from->c.renewed;
@@ -190,6 +200,28 @@ static void take_specimen(const infer_fit *fit, const explain_run *run, size_t r
             column[INFER_STIFFNESS * n + i] += x * gradient[a * n + i];
             column[INFER_TIMES * n + i] += viscosity ? x * gradient[a * n + i] : 0.0;
         }
+    }
+}
+
+/* How the force follows a depth that is new: as it follows the contact, and by what the arms have forgotten
+ * since the plate met the surface. */
+static void take_slopes(const explain_run *run, const palp_model *own, const double *force,
+                        const double *contact, infer_sample *sample) {
+    const palp_material *m = &own->material;
+    double met = run->time[0], first;
+    palp_law_stiffness(&m->law, 0.0, &first, NULL);
+    for (size_t i = 0; i < run->n; i++) {
+        const size_t from = i ? i - 1 : 0, to = i + 1 < run->n ? i + 1 : i;
+        const bool in = fabs(contact[i]) > 0.0;
+        double there = first, arms = 0.0;
+        met = in ? met : run->time[i];
+        if (in && m->quasi_linear)
+            palp_law_stiffness(&m->law, fmax(0.0, run->depth[i] / run->height), &there, NULL);
+        for (size_t j = 0; j < m->n_arms && in; j++)
+            arms -= m->arms[j].stiffness_N *
+                    expm1((met - run->time[i]) * m->arms[j].stiffness_N / m->arms[j].viscosity_Ns);
+        sample[i].by_depth = fabs(contact[i]) + arms * (there > 0.0 ? there / first : 0.0) / run->height;
+        sample[i].by_time = (force[to] - force[from]) / (run->time[to] - run->time[from]);
     }
 }
 
@@ -236,8 +268,10 @@ palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
         status = make_own(fit, &data->run[r], r, &own);
         if (!status)
             status = explain_predict(&own, &path, work, gradient, NULL);
-        if (!status)
-            take_columns(fit, data, r, work, gradient, column, fit->raw + at * fit->m);
+        if (status)
+            break;
+        take_slopes(&data->run[r], &own, work, gradient + column[0] * data->run[r].n, fit->sample + at);
+        take_columns(fit, data, r, work, gradient, column, fit->raw + at * fit->m);
     }
     palp_load_history_free(&history.load);
     free(work);
@@ -263,31 +297,39 @@ static size_t active_columns(const infer_fit *fit, size_t *list) {
     return n;
 }
 
+/* What the tails add to the bound of the evidence. */
+static double tails(const infer_fit *fit, const explain_run *run, const infer_sample *sample) {
+    double sum = 0.0, n = 0.0;
+    for (size_t i = 0; i < run->n; i++)
+        if (run->use[i]) {
+            sum += log(sample[i].certain) - sample[i].certain + 1.0;
+            n += 1.0;
+        }
+    return n * infer_tail_evidence(fit->noise.freedom, 1.0) + 0.5 * fit->noise.freedom * sum;
+}
+
 palp_status infer_fit_products(infer_fit *fit, const explain_data *data) {
     const size_t m = fit->m, n_most = data->longest;
     size_t list[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN + 1];
     const size_t n_active = active_columns(fit, list);
-    double *block = malloc(((m + 2 * INFER_SLOW + 2) * n_most + INFER_SLOW * m + m * m) * sizeof *block);
+    double *block = malloc(((m + INFER_FILTER + 1) * n_most + INFER_STATES * m + m * m) * sizeof *block);
     if (!block)
         return PALP_ERR_NO_MEMORY;
     double *variance = block + m * n_most, *work = variance + n_most,
-           *small = work + (2 * INFER_SLOW + 1) * n_most + INFER_SLOW * m;
+           *small = work + INFER_FILTER * n_most + INFER_STATES * m;
     fit->log_noise = 0.0;
     memset(fit->product, 0, data->n_runs * m * m * sizeof *fit->product);
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
         const explain_run *run = &data->run[r];
-        const double *raw = fit->raw + at * m, *slope = raw + (fit->k + INFER_CONTACT) * run->n;
+        const double *raw = fit->raw + at * m;
         double *product = fit->product + r * m * m;
-        for (size_t i = 0; i < run->n; i++) {
-            const double s = slope[i] * fit->noise.depth;
-            variance[i] = fit->noise.white * fit->noise.white + s * s;
-        }
+        infer_variance(fit, run->n, fit->sample + at, variance);
         for (size_t i = 0; i < run->n; i++)
             for (size_t a = 0; a < n_active; a++)
                 block[i * n_active + a] = raw[list[a] * run->n + i];
-        const double log_det =
-            infer_whiten(&fit->noise, run->n, run->time, variance, run->use, n_active, block, work);
-        fit->log_noise += run->held_out ? 0.0 : log_det;
+        const double log_det = infer_whiten(&fit->noise, run->n, run->time, fit->sample + at, variance,
+                                            run->use, n_active, block, work);
+        fit->log_noise += run->held_out ? 0.0 : log_det - 2.0 * tails(fit, run, fit->sample + at);
         memset(small, 0, n_active * n_active * sizeof *small);
         dense_add_square(n_active, run->n, 1.0, block, small);
         for (size_t a = 0; a < n_active; a++)

@@ -22,11 +22,23 @@ enum { INFER_COARSE = 16, INFER_KNOTS = 2 * INFER_COARSE - 1 };
 
 extern const double infer_lengths[INFER_LENGTHS];
 
+enum { INFER_STATES = INFER_SLOW + 1 };       /* of the filter: these and the encoder's error */
+enum { INFER_FILTER = 3 * INFER_STATES + 1 }; /* what it keeps of a sample: decays, gains, rows, sd */
+
 /* Standard deviations of what is independent from sample to sample and of what is correlated. */
 typedef struct infer_noise {
-    double white, depth;                       /* N; of the recorded depth, m */
+    double white, depth, clock;                /* N; of the recorded depth, m; of the recorded time, s */
+    double encoder;                            /* m, of what its steps hide; 0 = it has none */
     double slow[INFER_SLOW], time[INFER_SLOW]; /* N, s: Ornstein-Uhlenbeck processes */
+    double freedom;                            /* degrees of freedom of Student's t, of what is independent */
 } infer_noise;
+
+/* What the noise of a sample depends on. */
+typedef struct infer_sample {
+    double by_depth, by_time; /* of the force: by a depth that is new, N/m; along the run, N/s */
+    double keep;              /* correlation of the encoder's error with that of the sample before */
+    double certain;           /* expected precision of what is independent, in units of its variance's */
+} infer_sample;
 
 /* Prior standard deviations; 0 = there is none of it. */
 typedef struct infer_sizes {
@@ -49,8 +61,10 @@ typedef struct infer_fit {
     double *raw;                   /* all runs' columns, run r at raw + first sample m */
     double *product;               /* [n_runs m m] of the whitened ones */
     double *specimen;              /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
+    infer_sample *sample;          /* [data->n] */
+    double converter;              /* step of the force, N; 0 = none was found */
     double certain[PALP_LAW_MAX];  /* of each bend: expected precision, in units of sizes.bend's */
-    double log_noise;              /* log determinant of the noise's covariance */
+    double log_noise;              /* log determinant of the noise's covariance, less what tails add twice */
     double score;                  /* log Z, nats */
 } infer_fit;
 
@@ -70,12 +84,46 @@ typedef struct infer_posterior {
 /* ---- noise (infer_noise.c) ---- */
 
 /* In place: rows x[count n], one a sample, in units of the innovations' sd, by one Kalman filter.
- * variance[n]: what is independent from sample to sample. Samples without use become 0. work[n (2 INFER_SLOW
- * + 1)
- * + INFER_SLOW count]. Returns the log
- * determinant. */
-double infer_whiten(const infer_noise *noise, size_t n, const double *time, const double *variance,
-                    const unsigned char *use, size_t count, double *x, double *work);
+ * variance[n]: what is independent from sample to sample. Samples without use become 0. work[n INFER_FILTER +
+ * INFER_STATES count]. Returns the log determinant. */
+double infer_whiten(const infer_noise *noise, size_t n, const double *time, const infer_sample *sample,
+                    const double *variance, const unsigned char *use, size_t count, double *x, double *work);
+
+/* After infer_whiten of one column x[n] with the same work: x becomes the inverse of the covariance times the
+ * column, and inverse[n] the inverse's diagonal. */
+void infer_unwhiten(size_t n, const double *work, double *x, double *inverse);
+
+/* Noise as the samples show it, without tails: a first guess of what is learned. (infer_fit.c) */
+void infer_noise_begin(infer_fit *fit, const explain_data *data);
+
+/* What is independent from sample to sample, of one run: variance[n]. */
+void infer_variance(const infer_fit *fit, size_t n, const infer_sample *sample, double *variance);
+
+/* What a sample adds to the bound of the evidence, of this expected precision. */
+double infer_tail_evidence(double freedom, double certain);
+
+/* ---- steps of encoder and converter (infer_steps.c) ---- */
+
+/* The largest step of which all differences in value[n] are multiples, given that of others (0: there are
+ * none yet; NAN: they have none). */
+double infer_common_step(size_t n, const double *value, double step);
+
+/* Finds the steps of both columns, and the correlation of the encoder's error. */
+void infer_steps_find(infer_fit *fit, const explain_data *data);
+
+/* ---- heavy tails (infer_tails.c) ---- */
+
+/* The samples' expected precisions and the degrees of freedom, at the columns at hand. */
+palp_status infer_tails_learn(infer_fit *fit, const explain_data *data);
+
+/* What sds from the expected precisions lack: these are not known themselves. */
+double infer_tail_widening(const infer_fit *fit);
+
+/* The sd of what is independent from sample to sample, N. */
+double infer_white_level(const infer_fit *fit, const explain_data *data);
+
+/* Lone samples far from their neighbours are events; the likelihood has them all the same. */
+void infer_use_spikes(explain_data *data);
 
 /* ---- priors (infer_prior.c) ---- */
 
@@ -134,7 +182,7 @@ palp_status infer_fit_create(const palp_model *model, const explain_data *data, 
 palp_status infer_fit_create_as(const palp_model *model, const explain_data *data, const infer_fit *like,
                                 infer_fit *fit);
 /* What another fit of the same arms and effects has, but for its law. */
-void infer_fit_take_state(const infer_fit *from, size_t n_runs, infer_fit *fit);
+void infer_fit_take_state(const infer_fit *from, const explain_data *data, infer_fit *fit);
 /* The spline law through another one. */
 palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, palp_law *spline);
 palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to);

@@ -233,7 +233,7 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
     double *work = malloc(2 * s->data.n * sizeof *work);
     palp_status status = work ? infer_fit_create_as(&model, &s->data, NULL, fit) : PALP_ERR_NO_MEMORY;
     if (!status) {
-        infer_fit_take_state(&s->fit, s->data.n_runs, fit);
+        infer_fit_take_state(&s->fit, &s->data, fit);
         status = infer_fit_evaluate(fit, &s->data);
         if (!status)
             status = infer_fit_improve(fit, &s->data, 8);

@@ -98,7 +98,7 @@ static palp_status fill_estimates(const infer_search *s, palp_lumped_fit *out) {
     for (size_t i = 0; i < n && !status; i++) {
         double logarithm = 0.0;
         for (size_t a = 0; a < k; a++) {
-            row[i * p.g + INFER_HATS + a] = part(springs, i, a);
+            row[i * p.g + INFER_HATS + a] = part(springs, i, a) * infer_tail_widening(&s->fit);
             logarithm += part(springs, i, a) * s->fit.c.x[a];
         }
         palp_estimate *e = &out->estimate[i];
@@ -220,6 +220,7 @@ palp_status palp_infer_material(const palp_model *specimen, size_t n, const palp
     if (!status)
         status = explain_data_one_height(&s->data, error);
     if (!status) {
+        infer_use_spikes(&s->data);
         s->settings = &arms;
         s->n_given = model.n_effects;
         status = characterize(s, &model, n, inputs, least_arms, most_arms, fit);

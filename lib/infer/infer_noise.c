@@ -1,12 +1,19 @@
-/* infer_noise.c: one Kalman filter that makes the noise of a run white. */
+/* infer_noise.c: one Kalman filter that makes the noise of a run white; what is independent in it. */
 #include "infer_internal.h"
 
 #include <math.h>
 #include <string.h>
 
+enum { S = INFER_STATES, ENCODER = INFER_SLOW };
+
+/* What the filter keeps of a sample. row: how the force reads the states. */
+typedef struct kept {
+    double decay[S], gain[S], row[S], sd; /* sd: 0 without use */
+} kept;
+
 /* One step in time: how far each process decays, and the variance that it gains. */
 typedef struct infer_step {
-    double dt, decay[INFER_SLOW], gained[INFER_SLOW];
+    double dt, decay[S], gained[S];
 } infer_step;
 
 static void make_step(const infer_noise *noise, double dt, infer_step *step) {
@@ -18,66 +25,149 @@ static void make_step(const infer_noise *noise, double dt, infer_step *step) {
 }
 
 /* Covariance of the processes after the step. */
-static void predict(const infer_step *step, double p[INFER_SLOW][INFER_SLOW]) {
-    for (int a = 0; a < INFER_SLOW; a++)
-        for (int b = 0; b < INFER_SLOW; b++)
+static void predict(const infer_step *step, double p[S][S]) {
+    for (int a = 0; a < S; a++)
+        for (int b = 0; b < S; b++)
             p[a][b] *= step->decay[a] * step->decay[b];
-    for (int a = 0; a < INFER_SLOW; a++)
+    for (int a = 0; a < S; a++)
         p[a][a] += step->gained[a];
 }
 
-/* Gains, decays and sds of all samples; they depend on the times alone. */
-static double gains(const infer_noise *noise, size_t n, const double *time, const double *variance,
-                    const unsigned char *use, double *work) {
-    double p[INFER_SLOW][INFER_SLOW] = {{0.0}}, log_det = 0.0;
+/* The sample's gain and sd; p becomes the covariance after it. Returns the log of its variance. */
+static double update(double variance, double p[S][S], kept *k) {
+    double sum[S], s = variance;
+    for (int a = 0; a < S; a++) {
+        sum[a] = 0.0;
+        for (int b = 0; b < S; b++)
+            sum[a] += p[a][b] * k->row[b];
+        s += sum[a] * k->row[a];
+    }
+    k->sd = sqrt(s);
+    for (int a = 0; a < S; a++)
+        k->gain[a] = sum[a] / s;
+    for (int a = 0; a < S; a++)
+        for (int b = 0; b < S; b++)
+            p[a][b] -= sum[a] * k->gain[b];
+    return log(s);
+}
+
+/* Gains, decays and sds of all samples; they depend on times and slopes alone. */
+static double gains(const infer_noise *noise, size_t n, const double *time, const infer_sample *sample,
+                    const double *variance, const unsigned char *use, kept *all) {
+    const double encoder = noise->encoder * noise->encoder;
+    double p[S][S] = {{0.0}}, log_det = 0.0;
     infer_step step = {.dt = 0.0};
     for (int a = 0; a < INFER_SLOW; a++)
         p[a][a] = noise->slow[a] * noise->slow[a];
+    p[ENCODER][ENCODER] = encoder;
     for (size_t i = 0; i < n; i++) {
-        double *decay = work + i * (2 * INFER_SLOW + 1), *gain = decay + INFER_SLOW, *sd = gain + INFER_SLOW;
-        double sum[INFER_SLOW], s = variance[i];
+        kept *k = &all[i];
         if (i > 0 && time[i] - time[i - 1] != step.dt)
             make_step(noise, time[i] - time[i - 1], &step);
-        memcpy(decay, step.decay, sizeof step.decay);
+        step.decay[ENCODER] = sample[i].keep;
+        step.gained[ENCODER] = encoder * (1.0 - sample[i].keep * sample[i].keep);
         if (i > 0)
             predict(&step, p);
-        for (int a = 0; a < INFER_SLOW; a++) {
-            sum[a] = 0.0;
-            for (int b = 0; b < INFER_SLOW; b++)
-                sum[a] += p[a][b];
-            s += sum[a];
-        }
-        *sd = use[i] ? sqrt(s) : 0.0;
-        log_det += use[i] ? log(s) : 0.0;
-        for (int a = 0; a < INFER_SLOW; a++)
-            gain[a] = use[i] ? sum[a] / s : 0.0;
-        for (int a = 0; a < INFER_SLOW && use[i]; a++)
-            for (int b = 0; b < INFER_SLOW; b++)
-                p[a][b] -= sum[a] * sum[b] / s;
+        *k = (kept){.sd = 0.0};
+        memcpy(k->decay, step.decay, sizeof step.decay);
+        for (int a = 0; a < S; a++)
+            k->row[a] = a == ENCODER ? sample[i].by_depth : 1.0;
+        log_det += use[i] ? update(variance[i], p, k) : 0.0;
     }
     return log_det;
 }
 
-/* One sample of all columns, y[count], and the states [INFER_SLOW count] after it; at: its decays, gains, sd.
- */
-static void whiten_sample(const double *at, size_t count, double *state, double *y) {
-    const double *gain = at + INFER_SLOW, sd = gain[INFER_SLOW], weight = sd > 0.0 ? 1.0 / sd : 0.0;
+/* One sample of all columns, y[count], and the states [S count] after it. Four states and the encoder's are
+ * written out, so that a compiler takes several columns at once. */
+static void whiten_sample(const kept *at, size_t count, double *restrict state, double *restrict y) {
+    const double weight = at->sd > 0.0 ? 1.0 / at->sd : 0.0, *d = at->decay, *g = at->gain;
+    const double d0 = d[0], d1 = d[1], d2 = d[2], d3 = d[3], d4 = d[ENCODER], row = at->row[ENCODER];
+    const double g0 = g[0], g1 = g[1], g2 = g[2], g3 = g[3], g4 = g[ENCODER];
+    double *restrict s0 = state, *restrict s1 = s0 + count, *restrict s2 = s1 + count,
+                     *restrict s3 = s2 + count, *restrict s4 = s3 + count;
     for (size_t k = 0; k < count; k++) {
-        double now[INFER_SLOW], left = y[k];
-        for (size_t a = 0; a < INFER_SLOW; a++)
-            left -= now[a] = state[a * count + k] * at[a];
-        for (size_t a = 0; a < INFER_SLOW; a++)
-            state[a * count + k] = now[a] + gain[a] * left;
+        const double a = s0[k] * d0, b = s1[k] * d1, c = s2[k] * d2, e = s3[k] * d3, f = s4[k] * d4;
+        const double left = y[k] - ((a + b) + (c + e)) - f * row;
+        s0[k] = a + g0 * left;
+        s1[k] = b + g1 * left;
+        s2[k] = c + g2 * left;
+        s3[k] = e + g3 * left;
+        s4[k] = f + g4 * left;
         y[k] = left * weight;
     }
 }
 
-double infer_whiten(const infer_noise *noise, size_t n, const double *time, const double *variance,
-                    const unsigned char *use, size_t count, double *x, double *work) {
-    const double log_det = gains(noise, n, time, variance, use, work);
-    double *state = work + n * (2 * INFER_SLOW + 1);
-    memset(state, 0, INFER_SLOW * count * sizeof *state);
+/* Without an encoder's error. */
+static void whiten_four(const kept *at, size_t count, double *restrict state, double *restrict y) {
+    const double weight = at->sd > 0.0 ? 1.0 / at->sd : 0.0, *d = at->decay, *g = at->gain;
+    const double d0 = d[0], d1 = d[1], d2 = d[2], d3 = d[3], g0 = g[0], g1 = g[1], g2 = g[2], g3 = g[3];
+    double *restrict s0 = state, *restrict s1 = s0 + count, *restrict s2 = s1 + count,
+                     *restrict s3 = s2 + count;
+    for (size_t k = 0; k < count; k++) {
+        const double a = s0[k] * d0, b = s1[k] * d1, c = s2[k] * d2, e = s3[k] * d3;
+        const double left = y[k] - ((a + b) + (c + e));
+        s0[k] = a + g0 * left;
+        s1[k] = b + g1 * left;
+        s2[k] = c + g2 * left;
+        s3[k] = e + g3 * left;
+        y[k] = left * weight;
+    }
+}
+
+double infer_whiten(const infer_noise *noise, size_t n, const double *time, const infer_sample *sample,
+                    const double *variance, const unsigned char *use, size_t count, double *x, double *work) {
+    kept *all = (kept *)work;
+    const double log_det = gains(noise, n, time, sample, variance, use, all);
+    double *state = work + n * INFER_FILTER;
+    memset(state, 0, S * count * sizeof *state);
     for (size_t i = 0; i < n; i++)
-        whiten_sample(work + i * (2 * INFER_SLOW + 1), count, state, x + i * count);
+        (noise->encoder > 0.0 ? whiten_sample : whiten_four)(&all[i], count, state, x + i * count);
     return log_det;
+}
+
+/* The disturbance smoother's backward recursion (de Jong, J. Am. Stat. Assoc. 84 (1989) 1085). */
+void infer_unwhiten(size_t n, const double *work, double *x, double *inverse) {
+    const kept *all = (const kept *)work;
+    double r[S] = {0.0}, v[S][S] = {{0.0}}, turned[S];
+    for (size_t i = n; i-- > 0;) {
+        const kept *k = &all[i];
+        const bool used = k->sd > 0.0;
+        double u = used ? x[i] / k->sd : 0.0, square = used ? 1.0 / (k->sd * k->sd) : 0.0;
+        for (int a = 0; a < S; a++) {
+            turned[a] = 0.0;
+            for (int b = 0; b < S; b++)
+                turned[a] += v[a][b] * k->gain[b];
+            u -= k->gain[a] * r[a];
+            square += k->gain[a] * turned[a];
+        }
+        x[i] = u;
+        inverse[i] = square;
+        for (int a = 0; a < S; a++) {
+            for (int b = 0; b < S; b++) {
+                v[a][b] +=
+                    used ? square * k->row[a] * k->row[b] - k->row[a] * turned[b] - turned[a] * k->row[b]
+                         : 0.0;
+                v[a][b] *= k->decay[a] * k->decay[b];
+            }
+            r[a] = (r[a] + k->row[a] * u) * k->decay[a];
+        }
+    }
+}
+
+void infer_variance(const infer_fit *fit, size_t n, const infer_sample *sample, double *variance) {
+    const infer_noise *noise = &fit->noise;
+    const double same = noise->white * noise->white + fit->converter * fit->converter / 12.0;
+    for (size_t i = 0; i < n; i++) {
+        const double depth = sample[i].by_depth * noise->depth, clock = sample[i].by_time * noise->clock;
+        variance[i] = (same + depth * depth + clock * clock) / sample[i].certain;
+    }
+}
+
+/* A precision w has a gamma distribution of shape and rate freedom / 2; q of it, of shape (freedom + 1) / 2,
+ * is the nearest to its posterior. The bound of the evidence has the expected log of the prior over q, less
+ * what the determinant with the expected precision has too much: 0 for a normal distribution. */
+double infer_tail_evidence(double freedom, double certain) {
+    const double half = 0.5 * freedom, more = half + 0.5;
+    return lgamma(more) - lgamma(half) - half * log(more / half) + more - 0.5 * log(more) +
+           half * (log(certain) - certain);
 }

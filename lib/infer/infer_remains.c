@@ -239,7 +239,7 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e) {
     out->loading_N = sqrt(square[INFER_LOADING] / count);
     out->unloading_N = sqrt(square[INFER_UNLOADING] / count);
     out->since_turn_N = sqrt(square[INFER_SINCE_TURN] / count);
-    out->correlated_N = sqrt(fmax(0.0, beside / count - s->fit.noise.white * s->fit.noise.white));
+    out->correlated_N = sqrt(fmax(0.0, beside / count - pow(infer_white_level(&s->fit, data), 2.0)));
     double cost = 0.0;
     status = find_evidence(s, &out->evidence);
     if (!status)

@@ -170,6 +170,8 @@ static palp_status try_drive(const infer_search *s, infer_trial *t) {
             model.effects[i].value[0] *= scale / drive_of(&model.material, 0.5 * s->data.strain);
     if (!status)
         status = infer_fit_create(&model, &s->data, &s->fit, &t->fit);
+    if (!status)
+        infer_noise_begin(&t->fit, &s->data); /* not that of a material that may be far from it */
     return status ? status : infer_fit_evaluate(&t->fit, &s->data);
 }
 

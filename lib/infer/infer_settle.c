@@ -153,7 +153,7 @@ palp_status infer_begin(infer_fit *fit, const explain_data *data) {
     if (!status)
         status = infer_fit_create_as(&model, data, NULL, &fine);
     if (!status) {
-        infer_fit_take_state(&coarse, data->n_runs, &fine);
+        infer_fit_take_state(&coarse, data, &fine);
         fine.sizes.bend = 0.25 * coarse.sizes.bend; /* a second difference goes with the square of its way */
         infer_fit_free(fit);
         *fit = fine;

@@ -183,20 +183,22 @@ typedef struct noise_search {
     palp_status status;
 } noise_search;
 
-enum { NOISES = 2 + INFER_SLOW };
+/* The encoder's is last: it may be none. */
+enum { WHITE, DEPTH, CLOCK, SLOW, ENCODER = SLOW + INFER_SLOW, NOISES };
 
-static void set_noise(const double *x, const infer_noise *start, infer_noise *noise) {
-    noise->white = start->white * exp(x[0]);
-    noise->depth = start->depth * exp(x[1]);
-    for (int a = 0; a < INFER_SLOW; a++)
-        noise->slow[a] = start->slow[a] * exp(x[2 + a]);
+static double *noise_of(infer_noise *noise, int a) {
+    return a == WHITE     ? &noise->white
+           : a == DEPTH   ? &noise->depth
+           : a == CLOCK   ? &noise->clock
+           : a == ENCODER ? &noise->encoder
+                          : &noise->slow[a - SLOW];
 }
 
 static double try_noise(unsigned n, const double *x, double *gradient, void *user) {
-    (void)n;
     (void)gradient;
     noise_search *s = user;
-    set_noise(x, &s->start, &s->fit->noise);
+    for (int a = 0; a < (int)n; a++)
+        *noise_of(&s->fit->noise, a) = *noise_of(&s->start, a) * exp(x[a]);
     palp_status status = infer_fit_products(s->fit, s->data);
     if (!status)
         status = infer_fit_score(s->fit, s->data);
@@ -212,20 +214,27 @@ static double try_noise(unsigned n, const double *x, double *gradient, void *use
 }
 
 palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool near) {
+    palp_status status = infer_tails_learn(fit, data);
+    if (status)
+        return status;
     noise_search s = {.fit = fit, .data = data, .start = fit->noise, .best = fit->noise, .score = fit->score};
+    const unsigned n = fit->noise.encoder > 0.0 ? NOISES : NOISES - 1;
     double x[NOISES], low[NOISES], high[NOISES], step[NOISES], value;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
-    for (int a = 0; a < NOISES; a++) {
-        double *now = a == 0 ? &s.start.white : a == 1 ? &s.start.depth : &s.start.slow[a - 2];
-        const double unit = a == 1 ? data->deepest / data->peak : 1.0,
-                     least = (a == 0 ? 0.01 * data->run[0].white : hidden) * unit;
+    for (int a = 0; a < (int)n; a++) {
+        double *now = noise_of(&s.start, a);
+        const bool depth = a == DEPTH || a == ENCODER;
+        const double unit = depth        ? data->deepest / data->peak
+                            : a == CLOCK ? data->deepest / data->fastest / data->peak
+                                         : 1.0,
+                     least = (a == WHITE ? 0.01 * data->run[0].white : hidden) * unit;
         *now = fmin(data->peak * unit, fmax(least, *now));
         low[a] = log(least / *now);
         high[a] = log(data->peak * unit / *now);
         x[a] = 0.0;
         step[a] = near ? 0.5 : 1.0;
     }
-    nlopt_opt o = nlopt_create(near ? NLOPT_LN_BOBYQA : NLOPT_LN_SBPLX, NOISES);
+    nlopt_opt o = nlopt_create(near ? NLOPT_LN_BOBYQA : NLOPT_LN_SBPLX, n);
     if (!o)
         return PALP_ERR_NO_MEMORY;
     nlopt_set_lower_bounds(o, low);
@@ -239,5 +248,7 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
     fit->noise = s.best;
     if (!s.status)
         s.status = infer_fit_products(fit, data);
-    return s.status ? s.status : infer_fit_score(fit, data);
+    if (!s.status)
+        s.status = infer_fit_score(fit, data);
+    return s.status ? s.status : infer_tails_learn(fit, data);
 }

@@ -66,7 +66,8 @@ START_TEST(what_differs_is_found) {
     if (_i == 0) /* of the four zeros about their mean, but for what the noise of a run hides */
         ck_assert_double_eq_tol(differs->sd, 0.0527, 1e-3);
     ck_assert_double_gt(differs->without_N, 2 * NOISE);
-    ck_assert_double_gt(e.gap.before_N, 0.97 * differs->without_N); /* all three in common leave no less */
+    /* All three in common leave no less, but for what tails let a likely fit leave more of. */
+    ck_assert_double_gt(e.gap.before_N, 0.95 * differs->without_N);
     for (int k = 0; k < 3; k++)
         if (k != _i)
             ck_assert(!all[k]->found);

@@ -51,6 +51,14 @@ static void begin(explain_data *data, infer_fit *fit, palp_model *m) {
     ck_assert_int_eq(infer_fit_create(m, data, NULL, fit), PALP_OK);
     fit->sizes.own[INFER_GAIN] = 0.02;
     fit->noise.depth = 1e-6;
+    fit->noise.clock = 3e-3;
+    fit->noise.encoder = 5e-6;
+    fit->noise.freedom = 4;
+    fit->converter = 0.01;
+    for (size_t i = 0; i < data->n; i++) {
+        fit->sample[i].keep = 0.9 * cos((double)i);
+        fit->sample[i].certain = i % 5 ? 1.1 : 0.3;
+    }
     ck_assert_int_eq(infer_fit_evaluate(fit, data), PALP_OK);
     ck_assert_int_eq(infer_fit_score(fit, data), PALP_OK);
 }
@@ -65,8 +73,15 @@ static void end(explain_data *data, infer_fit *fit) {
 /* Covariance of the noise alone between samples i and j of run r. */
 static double noise_between(const infer_fit *fit, const explain_data *data, size_t r, size_t i, size_t j) {
     const explain_run *run = &data->run[r];
-    const double *slope = fit->raw + r * EACH * fit->m + (fit->k + INFER_CONTACT) * EACH;
-    double sum = i == j ? pow(fit->noise.white, 2) + pow(slope[i] * fit->noise.depth, 2) : 0;
+    const infer_sample *at = fit->sample + r * EACH, *s = &at[i];
+    double encoder = pow(fit->noise.encoder, 2) * s->by_depth * at[j].by_depth, sum = 0;
+    if (i == j)
+        sum = (pow(fit->noise.white, 2) + pow(fit->converter, 2) / 12 +
+               pow(s->by_depth * fit->noise.depth, 2) + pow(s->by_time * fit->noise.clock, 2)) /
+              s->certain;
+    for (size_t k = (i < j ? i : j) + 1; k <= (i < j ? j : i); k++)
+        encoder *= at[k].keep;
+    sum += encoder;
     for (size_t a = 0; a < INFER_SLOW; a++)
         sum += pow(fit->noise.slow[a], 2) * exp(-fabs(run->time[i] - run->time[j]) / fit->noise.time[a]);
     return sum;
@@ -145,7 +160,10 @@ START_TEST(the_evidence_is_the_joint_normal_density) {
     add_effects(&fit, prior, c);
     ck_assert(dense_cholesky(n, c));
     dense_forward(n, c, 1, y);
-    const double expected = -0.5 * (dense_dot(n, y, y) + dense_log_determinant(n, c));
+    double expected = -0.5 * (dense_dot(n, y, y) + dense_log_determinant(n, c));
+    for (size_t i = 0; i < n; i++)
+        if (data.run[i / EACH].use[i % EACH])
+            expected += infer_tail_evidence(fit.noise.freedom, fit.sample[i].certain);
     ck_assert_double_eq_tol(fit.score, expected, 1e-6 * fabs(expected));
     free(c);
     end(&data, &fit);
@@ -190,19 +208,20 @@ START_TEST(the_noise_is_white_after_the_filter) {
     infer_fit fit;
     palp_model m;
     begin(&data, &fit, &m);
-    static double x[EACH * EACH], work[EACH * (2 * INFER_SLOW + 1 + INFER_SLOW)], variance[EACH],
-        c[EACH * EACH];
+    static double x[EACH * EACH], work[EACH * (INFER_FILTER + INFER_STATES)], variance[EACH], c[EACH * EACH],
+        v[EACH], inverse[EACH];
     const explain_run *run = &data.run[1];
     memset(x, 0, sizeof x);
     for (size_t i = 0; i < EACH; i++) {
         x[i * EACH + i] = 1; /* the filter's matrix, a row a sample */
-        variance[i] = noise_between(&fit, &data, 1, i, i);
-        for (size_t a = 0; a < INFER_SLOW; a++)
-            variance[i] -= pow(fit.noise.slow[a], 2);
+        v[i] = sin((double)i);
         for (size_t j = 0; j < EACH; j++)
             c[i * EACH + j] = noise_between(&fit, &data, 1, i, j);
     }
-    const double log_det = infer_whiten(&fit.noise, EACH, run->time, variance, run->use, EACH, x, work);
+    const infer_sample *sample = fit.sample + EACH;
+    infer_variance(&fit, EACH, sample, variance);
+    const double log_det =
+        infer_whiten(&fit.noise, EACH, run->time, sample, variance, run->use, EACH, x, work);
     for (size_t i = 0; i < EACH; i++)
         for (size_t j = 0; j < EACH; j++) {
             double sum = 0;
@@ -213,6 +232,19 @@ START_TEST(the_noise_is_white_after_the_filter) {
         }
     ck_assert(dense_cholesky(EACH, c));
     ck_assert_double_eq_tol(log_det, dense_log_determinant(EACH, c), 1e-8);
+    static double y[EACH];
+    memcpy(y, v, sizeof y);
+    infer_whiten(&fit.noise, EACH, run->time, sample, variance, run->use, 1, v, work);
+    infer_unwhiten(EACH, work, v, inverse);
+    dense_cholesky_solve(EACH, c, 1, y);
+    for (size_t i = 0; i < EACH; i++) {
+        static double unit[EACH];
+        memset(unit, 0, sizeof unit);
+        unit[i] = 1;
+        dense_cholesky_solve(EACH, c, 1, unit);
+        ck_assert_double_eq_tol(v[i], y[i], 1e-9 * fmax(1, fabs(y[i])));
+        ck_assert_double_eq_tol(inverse[i], unit[i], 1e-9 * unit[i]);
+    }
     end(&data, &fit);
 }
 END_TEST
@@ -233,6 +265,61 @@ START_TEST(noise_is_white_until_its_correlation_is_known) {
     explain_whiten(run, 1, x);
     for (size_t i = 0; i < run->n; i++)
         ck_assert_double_eq_tol(x[i], run->use[i] ? 2.0 / run->white : 0.0, 1e-9 / run->white);
+    end(&data, &fit);
+}
+END_TEST
+
+/* At the best expected precision the bound is Student's density itself, for one sample known exactly. */
+START_TEST(the_bound_of_a_tail_is_students_density) {
+    static const double freedom[] = {1, 3.5, 30, 1000}, x[] = {0, 0.7, 3, 30};
+    for (size_t i = 0; i < 4; i++)
+        for (size_t j = 0; j < 4; j++) {
+            const double f = freedom[i], square = x[j] * x[j], w = (f + 1) / (f + square);
+            const double bound = infer_tail_evidence(f, w) + 0.5 * (log(w) - w * square),
+                         density = lgamma(0.5 * f + 0.5) - lgamma(0.5 * f) - 0.5 * log(0.5 * f) -
+                                   (0.5 * f + 0.5) * log1p(square / f);
+            ck_assert_double_eq_tol(bound, density, 1e-9 * fmax(1, fabs(density)));
+            ck_assert_double_lt(infer_tail_evidence(f, 1.1 * w) + 0.5 * (log(1.1 * w) - 1.1 * w * square),
+                                bound);
+        }
+}
+END_TEST
+
+/* Decimals of a file make no step but their own; an offset of all is none. */
+START_TEST(steps_are_read_off_the_files) {
+    double coarse[200], fine[200];
+    for (size_t i = 0; i < 200; i++) {
+        coarse[i] = -0.0123 + 7.5e-6 * floor(40 * sin(0.05 * (double)i));
+        fine[i] = 3e-3 * sin(0.05 * (double)i);
+    }
+    ck_assert_double_eq_tol(infer_common_step(200, coarse, 0), 7.5e-6, 1e-12);
+    ck_assert_double_eq_tol(infer_common_step(200, coarse, 1.5e-5), 7.5e-6, 1e-12);
+    ck_assert(isnan(infer_common_step(200, fine, 0)));
+    ck_assert(isnan(infer_common_step(200, coarse, NAN)));
+}
+END_TEST
+
+/* One sample far off in a session of normal noise is found to be unlike the others, whose residuals stay. */
+START_TEST(a_lone_sample_far_off_changes_little) {
+    enum { ODD = 40 };
+    explain_data data;
+    infer_fit fit;
+    palp_model m;
+    static double left[2][MOST * EACH], taken[MOST * EACH];
+    begin(&data, &fit, &m);
+    double square = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        data.run[0].force[ODD] += pass * 30 * NOISE;
+        ck_assert_int_eq(infer_fit_evaluate(&fit, &data), PALP_OK);
+        ck_assert_int_eq(infer_fit_settle(&fit, &data, 6, true), PALP_OK);
+        ck_assert_int_eq(infer_residual(&fit, &data, left[pass], taken), PALP_OK);
+        for (size_t i = 0; i < data.n; i++)
+            left[pass][i] -= taken[i];
+    }
+    for (size_t i = 0; i < data.n; i++)
+        square += i == ODD ? 0 : pow(left[1][i] - left[0][i], 2) / (double)data.n;
+    ck_assert_msg(sqrt(square) < 0.5 * NOISE, "the others change by %g N", sqrt(square));
+    ck_assert_double_lt(fit.sample[ODD].certain, 0.1);
     end(&data, &fit);
 }
 END_TEST
@@ -269,5 +356,8 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, a_specimen_has_the_column_of_its_factor, 0, INFER_SPECIMEN);
     tcase_add_test(tc, the_noise_is_white_after_the_filter);
     tcase_add_test(tc, noise_is_white_until_its_correlation_is_known);
+    tcase_add_test(tc, the_bound_of_a_tail_is_students_density);
+    tcase_add_test(tc, steps_are_read_off_the_files);
+    tcase_add_test(tc, a_lone_sample_far_off_changes_little);
     tcase_add_test(tc, learned_sizes_are_the_most_likely);
 }

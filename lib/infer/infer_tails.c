@@ -1,0 +1,159 @@
+/* infer_tails.c: noise of heavy tails: Student's t as a mixture of normal distributions over their precision.
+ */
+#include "infer_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Degrees of freedom: from Cauchy's distribution to what no session tells from the normal one. */
+static const double LEAST = 1.0, MOST = 1000.0;
+
+/* Log density of samples with these squares in units of their variance. */
+static double log_density(double freedom, size_t n, const double *square) {
+    double sum = (double)n * (lgamma(0.5 * freedom + 0.5) - lgamma(0.5 * freedom) - 0.5 * log(freedom));
+    for (size_t i = 0; i < n; i++)
+        sum -= (0.5 * freedom + 0.5) * log1p(square[i] / freedom);
+    return sum;
+}
+
+/* The most likely one, by golden sections of its logarithm. */
+static double find_freedom(size_t n, const double *square) {
+    enum { ROUNDS = 20 };
+    static const double GOLDEN = 0.6180339887498949;
+    double low = log(LEAST), high = log(MOST), a = high - GOLDEN * (high - low),
+           b = low + GOLDEN * (high - low);
+    double at_a = log_density(exp(a), n, square), at_b = log_density(exp(b), n, square);
+    for (int i = 0; i < ROUNDS; i++) {
+        if (at_a > at_b) {
+            high = b, b = a, at_b = at_a;
+            a = high - GOLDEN * (high - low);
+            at_a = log_density(exp(a), n, square);
+        } else {
+            low = a, a = b, at_a = at_b;
+            b = low + GOLDEN * (high - low);
+            at_b = log_density(exp(b), n, square);
+        }
+    }
+    return exp(0.5 * (low + high));
+}
+
+/* Expected squares of what is independent in run r, over its variance: square[n]; -1 without use. left[n] is
+ * overwritten. work: [(INFER_FILTER + 2) n + INFER_STATES]. */
+static void find_squares(const infer_fit *fit, const explain_run *run, const infer_sample *sample,
+                         double *left, double *square, double *work) {
+    double *variance = work + INFER_FILTER * run->n + INFER_STATES, *inverse = variance + run->n;
+    infer_variance(fit, run->n, sample, variance);
+    infer_whiten(&fit->noise, run->n, run->time, sample, variance, run->use, 1, left, work);
+    infer_unwhiten(run->n, work, left, inverse);
+    for (size_t i = 0; i < run->n; i++) {
+        const double v = variance[i], mean = v * left[i];
+        square[i] = run->use[i] ? (mean * mean + v - v * v * inverse[i]) / (v * sample[i].certain) : -1.0;
+    }
+}
+
+/* One round at what is left of all samples. work: [3 data->n + (INFER_FILTER + 2) longest + STATES]. */
+static void learn_once(infer_fit *fit, const explain_data *data, const double *left, double *work) {
+    double *copy = work, *square = work + data->n, *fitted = square + data->n, *more = fitted + data->n;
+    size_t n = 0;
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
+        for (size_t i = at; i < at + data->run[r].n; i++)
+            copy[i] = left[i];
+        find_squares(fit, &data->run[r], fit->sample + at, copy + at, square + at, more);
+        for (size_t i = at; i < at + data->run[r].n && !data->run[r].held_out; i++)
+            if (square[i] >= 0.0)
+                fitted[n++] = square[i];
+    }
+    const double f = fit->noise.freedom = find_freedom(n, fitted);
+    for (size_t i = 0; i < data->n; i++)
+        fit->sample[i].certain = square[i] >= 0.0 ? (f + 1.0) / (f + square[i]) : 1.0;
+}
+
+/* What is left of run r at the most probable step of the parameters, all else at its posterior mean. */
+static palp_status left_of_run(const infer_fit *fit, const infer_posterior *p, const explain_run *run,
+                               size_t r, const double *column, double *left) {
+    const size_t n = run->n, k = fit->k;
+    double most[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN], *own = most + k;
+    palp_status status = infer_own(fit, p, r, own, NULL);
+    if (!status)
+        status = infer_specimen_own(p, r, own + INFER_BLOCK, NULL);
+    if (status)
+        return status;
+    memcpy(most, p->mean + INFER_HATS, k * sizeof *most);
+    for (size_t a = 0; a < INFER_HATS; a++)
+        own[INFER_OWN + a] += p->mean[a];
+    memcpy(left, column + (fit->m - 1) * n, n * sizeof *left);
+    for (size_t a = 0; a + 1 < fit->m; a++)
+        for (size_t i = 0; i < n && most[a] != 0.0; i++)
+            left[i] -= most[a] * column[a * n + i];
+    return PALP_OK;
+}
+
+static palp_status find_left(const infer_fit *fit, const explain_data *data, double *left) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(fit, data, &p);
+    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n)
+        status = left_of_run(fit, &p, &data->run[r], r, fit->raw + at * fit->m, left + at);
+    infer_posterior_free(&p);
+    return status;
+}
+
+/* That the parameters are not known exactly is not in the expected squares: where that makes the bound lower,
+ * all stays as it was. */
+palp_status infer_tails_learn(infer_fit *fit, const explain_data *data) {
+    enum { ROUNDS = 4 };
+    const size_t n = data->n;
+    double *left = malloc((4 * n + (INFER_FILTER + 2) * data->longest + INFER_STATES) * sizeof *left);
+    infer_sample *was = malloc(n * sizeof *was);
+    const double freedom = fit->noise.freedom, score = fit->score;
+    palp_status status = left && was ? find_left(fit, data, left) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        memcpy(was, fit->sample, n * sizeof *was);
+    for (int i = 0; i < ROUNDS && !status; i++)
+        learn_once(fit, data, left, left + n);
+    for (int i = 0; i < 2 && !status; i++) {
+        status = infer_fit_products(fit, data);
+        if (!status)
+            status = infer_fit_score(fit, data);
+        if (status || fit->score >= score)
+            break;
+        memcpy(fit->sample, was, n * sizeof *was);
+        fit->noise.freedom = freedom;
+    }
+    free(left);
+    free(was);
+    return status;
+}
+
+/* Fisher's information of a mean is (f + 1) / (f + 3) of what the expected precisions have (Lange, Little and
+ * Taylor, J. Am. Stat. Assoc. 84 (1989) 881). */
+double infer_tail_widening(const infer_fit *fit) {
+    return sqrt((fit->noise.freedom + 3.0) / (fit->noise.freedom + 1.0));
+}
+
+double infer_white_level(const infer_fit *fit, const explain_data *data) {
+    const double f = fit->noise.freedom;
+    double sum = 0.0, n = 0.0;
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
+        for (size_t i = 0; i < data->run[r].n && !data->run[r].held_out; i++)
+            if (data->run[r].use[i]) {
+                const infer_sample *sample = &fit->sample[at + i];
+                double variance;
+                infer_variance(fit, 1, sample, &variance);
+                sum += variance * (f + 1.0 - f * sample->certain); /* its expected square */
+                n += 1.0;
+            }
+    return sqrt(fmax(0.0, sum) / fmax(1.0, n));
+}
+
+void infer_use_spikes(explain_data *data) {
+    for (size_t e = 0; e < data->n_events; e++) {
+        const palp_explain_event *event = &data->event[e];
+        explain_run *run = &data->run[event->run];
+        if (strcmp(event->kind, "spike") != 0)
+            continue;
+        for (size_t i = 1; i + 1 < run->n; i++)
+            if (run->start + run->time[i] == event->from_s && (run->use[i - 1] || run->use[i + 1]))
+                run->use[i] = 1; /* but beside a release */
+    }
+}
