@@ -67,14 +67,15 @@ static infer_noise first_noise(const explain_data *data) {
     return noise;
 }
 
-/* What fit->raw has room for: columns, products, and the specimens' own. */
+/* What fit->raw has room for: columns, products, the specimens' own, and fit->turn. */
 static size_t room(const infer_fit *fit, const explain_data *data) {
-    return data->n * fit->m + data->n_runs * (fit->m * fit->m + INFER_SPECIMEN);
+    return data->n * fit->m + data->n_runs * (fit->m * fit->m + INFER_SPECIMEN) + INFER_HATS * fit->k;
 }
 
 static void place(infer_fit *fit, const explain_data *data) {
     fit->product = fit->raw + data->n * fit->m;
     fit->specimen = fit->product + data->n_runs * fit->m * fit->m;
+    fit->turn = fit->specimen + INFER_SPECIMEN * data->n_runs;
 }
 
 palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
@@ -104,7 +105,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
         return PALP_ERR_NO_MEMORY;
     }
     place(fit, data);
-    memset(fit->specimen, 0, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
+    memset(fit->specimen, 0, (INFER_SPECIMEN * data->n_runs + INFER_HATS * fit->k) * sizeof *fit->specimen);
     fit->noise = first_noise(data);
     fit->sizes = infer_sizes_first(data);
     set_priors(fit);
@@ -241,6 +242,8 @@ palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
     }
     palp_load_history_free(&history.load);
     free(work);
+    if (!status && data->model_first)
+        status = infer_turn_find(fit, data);
     return status ? status : infer_fit_products(fit, data);
 }
 
@@ -383,12 +386,15 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
 palp_status infer_residual(const infer_fit *fit, const explain_data *data, double *residual,
                            double *discrepancy) {
     infer_posterior p;
+    double undone[EXPLAIN_COLUMNS];
     palp_status status = infer_posterior_find(fit, data, &p);
+    for (size_t a = 0; a < fit->k && !status; a++)
+        undone[a] = infer_undone(&p, a);
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         const size_t n = data->run[r].n;
         const double *raw = fit->raw + at * fit->m, *own_column = raw + fit->k * n;
         double own[INFER_BLOCK], specimen[INFER_SPECIMEN];
-        status = infer_own(fit, &p, r, own, NULL);
+        status = infer_own(fit, data, &p, r, own, NULL);
         if (!status)
             status = infer_specimen_own(&p, r, specimen, NULL);
         for (size_t i = 0; i < n && !status; i++) {
@@ -399,6 +405,8 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
                 left -= specimen[a] * own_column[(INFER_BLOCK + a) * n + i];
             for (size_t a = 0; a < INFER_HATS; a++)
                 taken += (own[INFER_OWN + a] + p.mean[a]) * own_column[(INFER_OWN + a) * n + i];
+            for (size_t a = 0; a < fit->k; a++)
+                taken -= undone[a] * raw[a * n + i];
             residual[at + i] = data->run[r].use[i] ? left : 0.0;
             discrepancy[at + i] = taken;
         }

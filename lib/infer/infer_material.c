@@ -150,7 +150,7 @@ static palp_status fill_runs(infer_search *s, size_t n, const palp_explain_input
             i++;
         if (i == n)
             continue;
-        status = infer_own(&s->fit, &p, r, own, covariance);
+        status = infer_own(&s->fit, &s->data, &p, r, own, covariance);
         out->contact_m[i] = own[INFER_CONTACT];
         out->contact_sd_m[i] = sqrt(covariance[INFER_CONTACT * (INFER_BLOCK + 1)]);
         double squares = 0.0;
@@ -221,6 +221,7 @@ palp_status palp_infer_material(const palp_model *specimen, size_t n, const palp
         status = explain_data_one_height(&s->data, error);
     if (!status) {
         s->settings = &arms;
+        s->data.model_first = true;
         s->n_given = model.n_effects;
         status = characterize(s, &model, n, inputs, least_arms, most_arms, fit);
         infer_search_free(s);
