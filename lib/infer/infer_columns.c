@@ -1,10 +1,8 @@
 /* infer_columns.c: the hat functions of a run over depth on both ways and over the time since the last turn.
  */
 #include "infer_internal.h"
-#include "base/dense.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Adds a sample at this share of the grid. */
@@ -47,36 +45,4 @@ void infer_hats(const explain_data *data, size_t r, double *column) {
         add_hat(log(fmax(since, data->step) / data->step) / span, run->depth[i] / data->deepest, n, i,
                 column + INFER_SINCE_TURN * INFER_NODES * n);
     }
-}
-
-palp_status infer_turn_find(infer_fit *fit, const explain_data *data) {
-    static const double RIDGE = 1e-10; /* of a column's square: it changes nothing but that all is definite */
-    const size_t k = fit->k, n = k + INFER_HATS;
-    double *block = malloc((data->longest * n + n * n + k * k) * sizeof *block);
-    if (!block)
-        return PALP_ERR_NO_MEMORY;
-    double *square = block + data->longest * n, *normal = square + n * n;
-    memset(square, 0, n * n * sizeof *square);
-    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
-        const explain_run *run = &data->run[r];
-        const double *raw = fit->raw + at * fit->m, *hats = raw + (k + INFER_OWN) * run->n;
-        for (size_t i = 0; i < run->n; i++)
-            for (size_t a = 0; a < n; a++)
-                block[i * n + a] = !run->use[i] ? 0.0
-                                   : a < k      ? raw[a * run->n + i]
-                                                : hats[(a - k) * run->n + i];
-        if (!run->held_out)
-            dense_add_square(n, run->n, 1.0, block, square);
-    }
-    for (size_t a = 0; a < k; a++) {
-        memcpy(normal + a * k, square + a * n, k * sizeof *normal);
-        normal[a * k + a] += normal[a * k + a] > 0.0 ? RIDGE * normal[a * k + a] : 1.0;
-        for (size_t h = 0; h < INFER_HATS; h++)
-            fit->turn[h * k + a] = square[(k + h) * n + a];
-    }
-    const bool good = dense_cholesky(k, normal);
-    if (good)
-        dense_cholesky_solve(k, normal, INFER_HATS, fit->turn);
-    free(block);
-    return good ? PALP_OK : PALP_ERR_SINGULAR;
 }

@@ -67,15 +67,14 @@ static infer_noise first_noise(const explain_data *data) {
     return noise;
 }
 
-/* What fit->raw has room for: columns, products, the specimens' own, and fit->turn. */
+/* What fit->raw has room for: columns, products, and the specimens' own. */
 static size_t room(const infer_fit *fit, const explain_data *data) {
-    return data->n * fit->m + data->n_runs * (fit->m * fit->m + INFER_SPECIMEN) + INFER_HATS * fit->k;
+    return data->n * fit->m + data->n_runs * (fit->m * fit->m + INFER_SPECIMEN);
 }
 
 static void place(infer_fit *fit, const explain_data *data) {
     fit->product = fit->raw + data->n * fit->m;
     fit->specimen = fit->product + data->n_runs * fit->m * fit->m;
-    fit->turn = fit->specimen + INFER_SPECIMEN * data->n_runs;
 }
 
 palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
@@ -105,7 +104,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
         return PALP_ERR_NO_MEMORY;
     }
     place(fit, data);
-    memset(fit->specimen, 0, (INFER_SPECIMEN * data->n_runs + INFER_HATS * fit->k) * sizeof *fit->specimen);
+    memset(fit->specimen, 0, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
     fit->noise = first_noise(data);
     fit->sizes = infer_sizes_first(data);
     set_priors(fit);
@@ -242,8 +241,6 @@ palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
     }
     palp_load_history_free(&history.load);
     free(work);
-    if (!status && data->model_first)
-        status = infer_turn_find(fit, data);
     return status ? status : infer_fit_products(fit, data);
 }
 
@@ -377,6 +374,7 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
                                .user = &i};
     if (!status)
         status = levenberg_solve(&problem, x, h, g, &chi2);
+
     if (!status && !i.best)
         status = evaluate(&i, x, h, g, &chi2);
     free(h);

@@ -49,7 +49,6 @@ typedef struct infer_fit {
     double *raw;                   /* all runs' columns, run r at raw + first sample m */
     double *product;               /* [n_runs m m] of the whitened ones */
     double *specimen;              /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
-    double *turn;                  /* [INFER_HATS k] steps of the parameters that are nearest to each hat */
     double certain[PALP_LAW_MAX];  /* of each bend: expected precision, in units of sizes.bend's */
     double log_noise;              /* log determinant of the noise's covariance */
     double score;                  /* log Z, nats */
@@ -64,8 +63,9 @@ typedef struct infer_posterior {
     double *normal, *pull;           /* [k k], [k] of the parameters, the common discrepancy eliminated, */
     double here;                     /* and chi2 without a step */
     double chi2, log_det, log_prior; /* with the step; of both precisions, with those of the runs' own */
-    double *specimen;   /* [n_runs] of their specimens, each specimen's factor and rows (infer_normal.c) */
-    const double *turn; /* the fit's; NULL: hats are as they are */
+    double *specimen; /* [n_runs] of their specimens, each specimen's factor and rows (infer_normal.c) */
+    double *turn;     /* [INFER_HATS k] steps of the law that follow a hat as well as they can, which it is
+                         free of; NULL: hats are as they are */
     size_t k;
     double *pull_of_mean; /* [g + 1] slopes, by the global ones, of the multiplier that makes the contacts
                              average 0; without a step, last */
@@ -116,12 +116,15 @@ double infer_log_evidence(const infer_fit *fit, const infer_posterior *p);
 palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                       double *mean, double *covariance);
 
-/* Step of parameter i that follows the posterior's common discrepancy, which that is free of. */
+/* Step of the law's coordinate i that follows the posterior's common discrepancy, which that is free of. */
 double infer_undone(const infer_posterior *p, size_t i);
 
 /* What the specimen of run r has of its own, likewise: mean[INFER_SPECIMEN], covariance[INFER_SPECIMEN
  * INFER_SPECIMEN]. */
 palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean, double *covariance);
+
+/* What its runs leave open of it where the mean is known: covariance[INFER_SPECIMEN INFER_SPECIMEN]. */
+void infer_specimen_left(const infer_posterior *p, size_t r, double *covariance);
 
 /* ---- sizes (infer_sizes.c) ---- */
 
@@ -179,9 +182,5 @@ enum {
 
 /* Hat functions of run r, [INFER_HATS n]. (infer_columns.c) */
 void infer_hats(const explain_data *data, size_t r, double *column);
-
-/* fit->turn from the columns at hand. A discrepancy is what the model does not follow: the hats less these
- * steps are orthogonal to its columns, over the samples (Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274). */
-palp_status infer_turn_find(infer_fit *fit, const explain_data *data);
 
 #endif

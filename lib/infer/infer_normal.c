@@ -54,7 +54,7 @@ static bool is_off(const infer_fit *fit, size_t a) {
 
 /* Whether the run's contact is one of those that average 0. */
 static bool in_mean(const infer_fit *fit, const explain_data *data, size_t r) {
-    return data->model_first && !data->run[r].held_out && fit->sizes.own[INFER_CONTACT] > 0.0;
+    return data->contacts_average_0 && !data->run[r].held_out && fit->sizes.own[INFER_CONTACT] > 0.0;
 }
 
 /* cross[BLOCK outer]: run r's own beside the outer columns; beside the multiplier its contact has 1. */
@@ -191,17 +191,33 @@ static void take_mean(const infer_fit *fit, const explain_data *data, infer_post
     }
 }
 
-/* The hats of a[e e] without what the parameters follow of them. rows[k e] */
-static void turn_hats(const infer_fit *fit, const infer_posterior *p, double *rows, double *a) {
-    const size_t k = fit->k, e = p->g + 1;
-    memcpy(rows, a + INFER_HATS * e, k * e * sizeof *rows);
-    for (size_t h = 0; h < INFER_HATS; h++)
-        for (size_t i = 0; i < k; i++)
+/* p->turn, and the hats of a[e e] without what a step of the law follows of them: the discrepancy is what the
+ * law does not follow (Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274). q: the parameters' prior precision;
+ * work[k (k + e)]. */
+static palp_status turn_hats(const infer_fit *fit, const infer_posterior *p, const double *q, double *work,
+                             double *a) {
+    const size_t k = fit->k, n = fit->c.model.material.law.n, e = p->g + 1;
+    double *normal = work, *rows = work + n * n, *turn = rows + n * e;
+    memcpy(rows, a + INFER_HATS * e, n * e * sizeof *rows);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++)
+            normal[i * n + j] = rows[i * e + INFER_HATS + j] + q[i * k + j];
+        for (size_t h = 0; h < INFER_HATS; h++)
+            turn[h * n + i] = rows[i * e + h];
+    }
+    if (!dense_cholesky(n, normal))
+        return PALP_ERR_SINGULAR;
+    dense_cholesky_solve(n, normal, INFER_HATS, turn);
+    for (size_t h = 0; h < INFER_HATS; h++) {
+        memcpy(p->turn + h * k, turn + h * n, n * sizeof *turn);
+        for (size_t i = 0; i < n; i++) /* rows, then columns */
             for (size_t j = 0; j < e; j++)
-                a[h * e + j] -= p->turn[h * k + i] * rows[i * e + j];
+                a[h * e + j] -= turn[h * n + i] * rows[i * e + j];
+    }
     for (size_t j = 0; j < e; j++)
         for (size_t h = 0; h < INFER_HATS; h++)
-            a[j * e + h] -= dense_dot(k, p->turn + h * k, a + j * e + INFER_HATS);
+            a[j * e + h] -= dense_dot(n, turn + h * n, a + j * e + INFER_HATS);
+    return PALP_OK;
 }
 
 /* Adds the priors to a[(g + 1) (g + 1)] and factorizes. */
@@ -214,7 +230,9 @@ static palp_status solve(const infer_fit *fit, const explain_data *data, infer_p
         return status;
     p->log_prior += log_prior;
     if (p->turn)
-        turn_hats(fit, p, q + k * k, a);
+        status = turn_hats(fit, p, q, q + k * k, a);
+    if (status)
+        return status;
     for (size_t d = 0; d < INFER_DOMAINS; d++)
         p->log_prior += infer_hats_precision(fit->sizes.common[d], e, a + d * INFER_NODES * (e + 1));
     p->chi2 = a[e * e - 1];
@@ -237,20 +255,21 @@ palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data,
     memset(p, 0, sizeof *p);
     p->g = g;
     p->k = k;
-    p->memory = calloc(g * g + g + k * k + k + e * e + k * k + (INFER_BLOCK + outer) * outer + outer * outer +
-                           data->n_runs * specimen_room(g + 1) + e + k * e,
-                       sizeof *p->memory);
+    p->memory =
+        calloc(g * g + g + k * k + k + e * e + k * k + (INFER_BLOCK + outer) * outer + outer * outer +
+                   data->n_runs * specimen_room(g + 1) + e + INFER_HATS * k + k * (k + e + INFER_HATS),
+               sizeof *p->memory);
     if (!p->memory)
         return PALP_ERR_NO_MEMORY;
     p->factor = p->memory;
     p->mean = p->factor + g * g;
     p->normal = p->mean + g;
     p->pull = p->normal + k * k;
-    double *a = p->pull + k, *q = a + e * e, *cross = q + k * k + k * e,
+    double *a = p->pull + k, *q = a + e * e, *cross = q + k * k + k * (k + e + INFER_HATS),
            *inner = cross + (INFER_BLOCK + outer) * outer;
     p->specimen = inner + outer * outer;
     p->pull_of_mean = p->specimen + data->n_runs * specimen_room(g + 1);
-    p->turn = data->model_first ? fit->turn : NULL;
+    p->turn = data->law_first ? p->pull_of_mean + e : NULL;
     bool good = true;
     for (size_t from = 0, to = 0; from < data->n_runs && good; from = to) {
         while (to < data->n_runs && data->run[to].specimen == data->run[from].specimen)
@@ -338,6 +357,10 @@ static void invert(size_t n, const double *factor, double *c) {
     for (size_t a = 0; a < n; a++)
         c[a * n + a] = 1.0;
     dense_cholesky_solve(n, factor, n, c);
+}
+
+void infer_specimen_left(const infer_posterior *p, size_t r, double *covariance) {
+    invert(INFER_SPECIMEN, p->specimen + r * specimen_room(p->g + 1), covariance);
 }
 
 palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean, double *covariance) {

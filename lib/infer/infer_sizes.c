@@ -102,7 +102,7 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
             add_hats(each[d], fit->sizes.each[d], mean + at, covariance + at * B + at, B);
         }
     }
-    if (data->model_first &&
+    if (data->contacts_average_0 &&
         fit->sizes.own[INFER_CONTACT] > 0.0) /* of contacts that average 0, one is known */
         own[INFER_CONTACT].expected -= 1.0 / (fit->sizes.own[INFER_CONTACT] * fit->sizes.own[INFER_CONTACT]);
     add_told(&own[INFER_CONTACT], fit->sizes.own[INFER_CONTACT], data);
