@@ -132,6 +132,7 @@ typedef struct palp_specimens_fit {
                            chance */
     double *within;     /* [mean.n_parameters^2] what the runs of one specimen leave open of it */
     size_t n_spread;    /* directions in which the specimens differ by more than chance */
+    double low, high;   /* 95 % interval of their sd over the estimate; 0: by chi squared */
 } palp_specimens_fit;
 
 PALP_API void palp_specimens_fit_free(palp_specimens_fit *fit); /* frees arrays, zeroes; NULL is fine */

@@ -22,16 +22,27 @@ PALP_API palp_status palp_infer(const palp_model *model, size_t n, const palp_ex
                                 const palp_explain_settings *settings, palp_explanation *explanation,
                                 palp_error *error);
 
-/* The lumped solid of runs by the same likelihood, without effects: a spline law of 31 knots, and arms as
- * long as one more gains what --false-alarm wants, at least least_arms and at most most_arms (PALP_ARMS_MAX).
- * The arms are driven by the strain or by the elastic force (quasi-linear), whichever is more probable.
- * specimen: height, radius and known effects; its material is not read. fit: arrays over runs are in the
- * order of inputs; contact_m is from recorded depth 0; the caller frees it. settings: false_alarm, loop,
- * stop. ERR_ARGUMENT: no runs, or arms out of range; errors of palp_infer. */
+/* What palp_infer_material may choose from. Zero-initialised: a spline of 31 knots, no arms. */
+typedef struct palp_infer_choice {
+    size_t least_arms, most_arms; /* the most is at most PALP_ARMS_MAX */
+    size_t n_laws;                /* laws that compete with the spline of 31 knots */
+    const palp_law *law; /* [n_laws] the caller's: kind, size, knots and area; coefficients: first guess */
+    bool no_spline;      /* the spline does not compete: one of the laws is taken */
+} palp_infer_choice;
+
+/* The lumped solid of runs by the same likelihood, without effects: arms as long as one more gains what
+ * settings->false_alarm wants, driven by the strain or by the elastic force (quasi-linear), and the law of
+ * the largest evidence. specimen: height and radius, to which all runs are scaled by the sizes in their
+ * files, and known effects; its material is not read. fit, the caller's to free: of mean, arrays over runs
+ * are in the order of inputs, and contact_m is from recorded depth 0. Specimens are numbered as they come
+ * first among the inputs (specimen.name); with one, fit has the mean alone. n_spread is 1 if they differ: all
+ * stiffnesses of one by a factor, and all times. settings: false_alarm, contact, loop, stop. ERR_ARGUMENT: no
+ * runs, arms out of range, no_spline without a law; errors of palp_infer. */
 PALP_API palp_status palp_infer_material(const palp_model *specimen, size_t n,
                                          const palp_explain_input *inputs,
-                                         const palp_explain_settings *settings, size_t least_arms,
-                                         size_t most_arms, palp_lumped_fit *fit, palp_error *error);
+                                         const palp_explain_settings *settings,
+                                         const palp_infer_choice *choice, palp_specimens_fit *fit,
+                                         palp_error *error);
 
 #ifdef __cplusplus
 }

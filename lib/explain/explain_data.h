@@ -67,9 +67,11 @@ typedef struct explain_data {
         pulled; /* strongest pull of a withdrawal, and what noise hides at least; 0 = no plate goes so far */
     size_t n_releases;
     explain_frame frame;
-    bool contacts_alike;   /* no run has a contact of its own */
-    size_t n_contact_told; /* runs that say how exact their contact is, */
-    double contact_told;   /* and the root of the mean of its squares, m */
+    bool contacts_alike;     /* no run has a contact of its own */
+    bool contacts_average_0; /* exactly, over the runs that are fitted */
+    bool law_first;          /* a common discrepancy is what no step of the law follows */
+    size_t n_contact_told;   /* runs that say how exact their contact is, */
+    double contact_told;     /* and the root of the mean of its squares, m */
     size_t n_events;
     palp_explain_event *event;
 } explain_data;

@@ -402,6 +402,10 @@ palp_status palp_specimens_fit_stiffness(const palp_specimens_fit *fit, size_t n
         double own = at->within_N * at->within_N, both = at->between_N * at->between_N + own;
         at->between_low = sqrt(fmax(least * both - own, 0.0));
         at->between_high = sqrt(fmax(most * both - own, 0.0));
+        if (fit->high > 0.0) {
+            at->between_low = fit->low * at->between_N;
+            at->between_high = fit->high * at->between_N;
+        }
         at->new_sd_N = hypot(at->sd_N, (fit->n_spread ? t : 1.0) * at->between_N);
     }
     return status;

@@ -27,10 +27,11 @@ static palp_status noise_of_run(const infer_fit *fit, const explain_data *data, 
 }
 
 /* Sum of squares of what the run's own and the best step of the parameters leave of run r. */
-static palp_status left_of_run(const infer_fit *fit, const infer_posterior *p, const explain_run *run,
+static palp_status left_of_run(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                                size_t r, size_t at, double *squares) {
+    const explain_run *run = &data->run[r];
     double own[INFER_BLOCK];
-    palp_status status = infer_own(fit, p, r, own, NULL);
+    palp_status status = infer_own(fit, data, p, r, own, NULL);
     const double *column = fit->raw + at * fit->m, *step = p->mean + INFER_HATS;
     for (size_t i = 0; i < run->n && !status; i++) {
         double left = column[(fit->m - 1) * run->n + i];
@@ -58,7 +59,7 @@ static palp_status predict_run(const infer_fit *fit, explain_data *data, size_t 
         status = infer_posterior_find(fit, data, &without);
     run->held_out = was;
     if (!status)
-        status = left_of_run(fit, &without, run, r, at, squares);
+        status = left_of_run(fit, data, &without, r, at, squares);
     *score =
         status ? 0.0 : infer_log_evidence(fit, &with) - infer_log_evidence(fit, &without) - 0.5 * log_noise;
     infer_posterior_free(&with);

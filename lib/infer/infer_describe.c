@@ -79,7 +79,7 @@ static palp_status find_hum(const infer_search *s, palp_explain_effect *out) {
     double sum = 0.0;
     for (size_t r = 0; r < s->data.n_runs && !status; r++) {
         double own[INFER_BLOCK];
-        status = infer_own(&s->fit, &p, r, own, NULL);
+        status = infer_own(&s->fit, &s->data, &p, r, own, NULL);
         sum += hypot(own[INFER_SINE], own[INFER_COSINE]) / (double)s->data.n_runs;
     }
     infer_posterior_free(&p);

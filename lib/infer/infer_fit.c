@@ -416,6 +416,7 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
                                .user = &i};
     if (!status)
         status = levenberg_solve(&problem, x, h, g, &chi2);
+
     if (!status && !i.best)
         status = evaluate(&i, x, h, g, &chi2);
     free(h);
@@ -425,12 +426,15 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
 palp_status infer_residual(const infer_fit *fit, const explain_data *data, double *residual,
                            double *discrepancy) {
     infer_posterior p;
+    double undone[EXPLAIN_COLUMNS];
     palp_status status = infer_posterior_find(fit, data, &p);
+    for (size_t a = 0; a < fit->k && !status; a++)
+        undone[a] = infer_undone(&p, a);
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         const size_t n = data->run[r].n;
         const double *raw = fit->raw + at * fit->m, *own_column = raw + fit->k * n;
         double own[INFER_BLOCK], specimen[INFER_SPECIMEN];
-        status = infer_own(fit, &p, r, own, NULL);
+        status = infer_own(fit, data, &p, r, own, NULL);
         if (!status)
             status = infer_specimen_own(&p, r, specimen, NULL);
         for (size_t i = 0; i < n && !status; i++) {
@@ -441,6 +445,8 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
                 left -= specimen[a] * own_column[(INFER_BLOCK + a) * n + i];
             for (size_t a = 0; a < INFER_HATS; a++)
                 taken += (own[INFER_OWN + a] + p.mean[a]) * own_column[(INFER_OWN + a) * n + i];
+            for (size_t a = 0; a < fit->k; a++)
+                taken -= undone[a] * raw[a * n + i];
             residual[at + i] = data->run[r].use[i] ? left : 0.0;
             discrepancy[at + i] = taken;
         }

@@ -78,6 +78,12 @@ typedef struct infer_posterior {
     double here;                     /* and chi2 without a step */
     double chi2, log_det, log_prior; /* with the step; of both precisions, with those of the runs' own */
     double *specimen; /* [n_runs] of their specimens, each specimen's factor and rows (infer_normal.c) */
+    double *turn;     /* [INFER_HATS k] steps of the law that follow a hat as well as they can, which it is
+                         free of; NULL: hats are as they are */
+    size_t k;
+    double *pull_of_mean; /* [g + 1] slopes, by the global ones, of the multiplier that makes the contacts
+                             average 0; without a step, last */
+    double mean_square;   /* variance that the multiplier takes away; 0: there is none */
     double *memory;
 } infer_posterior;
 
@@ -155,12 +161,18 @@ void infer_posterior_free(infer_posterior *p);
 double infer_log_evidence(const infer_fit *fit, const infer_posterior *p);
 
 /* Run r's own at the posterior: mean[INFER_BLOCK], covariance[INFER_BLOCK INFER_BLOCK] (NULL: not wanted). */
-palp_status infer_own(const infer_fit *fit, const infer_posterior *p, size_t r, double *mean,
-                      double *covariance);
+palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
+                      double *mean, double *covariance);
+
+/* Step of the law's coordinate i that follows the posterior's common discrepancy, which that is free of. */
+double infer_undone(const infer_posterior *p, size_t i);
 
 /* What the specimen of run r has of its own, likewise: mean[INFER_SPECIMEN], covariance[INFER_SPECIMEN
  * INFER_SPECIMEN]. */
 palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean, double *covariance);
+
+/* What its runs leave open of it where the mean is known: covariance[INFER_SPECIMEN INFER_SPECIMEN]. */
+void infer_specimen_left(const infer_posterior *p, size_t r, double *covariance);
 
 /* ---- sizes (infer_sizes.c) ---- */
 

@@ -290,3 +290,72 @@ palp_status infer_law_find(const infer_search *s, const palp_model *given, palp_
     }
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
+
+/* ---- a law for a material ---- */
+
+/* The fit at hand with another law, settled anew. */
+static palp_status settle_with(const infer_search *s, const palp_law *law, infer_fit *fit) {
+    enum { ROUNDS = 3 };
+    palp_model model = s->fit.c.model;
+    model.material.law = *law;
+    palp_status status = infer_fit_create_as(&model, &s->data, NULL, fit);
+    if (status)
+        return status;
+    infer_fit_take_state(&s->fit, &s->data, fit);
+    status = infer_fit_evaluate(fit, &s->data);
+    if (!status)
+        status = infer_fit_settle(fit, &s->data, ROUNDS, true);
+    if (status)
+        infer_fit_free(fit);
+    return status;
+}
+
+/* Log odds of the fit at hand over the law, nats, and the nearest of its family. A spline of fewer knots is
+ * given by its knots alone: it is through the one at hand. */
+static palp_status judge(const infer_search *s, const palp_law *law, palp_law *nearest, double *nats) {
+    const palp_law *spline = &s->fit.c.model.material.law;
+    if (law->kind != PALP_LAW_SPLINE)
+        return infer_law_compare(&s->fit, &s->data, law, nearest, nats);
+    *nats = 0.0;
+    return infer_spline_of(spline, law->n, spline->strain[spline->n - 1], nearest);
+}
+
+/* Its own log evidence, with the spline's prior on the family. */
+static palp_status weigh(const infer_search *s, const palp_law *law, const infer_fit *fit, double *score) {
+    double m[PALP_LAW_MAX * PALP_LAW_MAX];
+    *score = fit->score;
+    if (law->kind == PALP_LAW_SPLINE)
+        return PALP_OK;
+    palp_status status = family_prior(&s->fit, &s->data, law, m);
+    return status ? status : weigh_family(fit, &s->data, law, m, score);
+}
+
+palp_status infer_law_choose(infer_search *s, const palp_infer_choice *choice) {
+    palp_law best = {.n = 0};
+    size_t of = 0;
+    double least = HUGE_VAL, score;
+    palp_status status = PALP_OK;
+    for (size_t i = 0; i < choice->n_laws && !status; i++) {
+        palp_law nearest;
+        double nats;
+        status = judge(s, &choice->law[i], &nearest, &nats);
+        if (!status && nats < least) {
+            least = nats;
+            best = nearest;
+            of = i;
+        }
+    }
+    if (status || best.n == 0 || (least >= 0.0 && !choice->no_spline))
+        return status;
+    infer_fit fit;
+    status = settle_with(s, &best, &fit);
+    if (status)
+        return choice->no_spline || status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    if (!choice->no_spline && (weigh(s, &choice->law[of], &fit, &score) || score < s->fit.score)) {
+        infer_fit_free(&fit);
+        return PALP_OK;
+    }
+    infer_fit_free(&s->fit);
+    s->fit = fit;
+    return PALP_OK;
+}

@@ -10,10 +10,13 @@
 enum { SPECIMEN_SQUARE = INFER_SPECIMEN * INFER_SPECIMEN };
 
 /* Column of a run's products (parameters, its own, hats, specimen's, residual) of an outer one: hats,
- * parameters, specimen's, residual. */
+ * parameters, the multiplier (which has none: fit->m), specimen's, residual. */
 static size_t outer_column(const infer_fit *fit, size_t a) {
     const size_t g = INFER_HATS + fit->k;
-    return a < INFER_HATS ? fit->k + INFER_OWN + a : a < g ? a - INFER_HATS : fit->k + INFER_BLOCK + (a - g);
+    return a < INFER_HATS ? fit->k + INFER_OWN + a
+           : a < g        ? a - INFER_HATS
+           : a == g       ? fit->m
+                          : fit->k + INFER_BLOCK + (a - g - 1);
 }
 
 /* Cholesky factor l[BLOCK BLOCK] of the posterior precision of a run's own, given the global ones; and the
@@ -49,31 +52,42 @@ static bool is_off(const infer_fit *fit, size_t a) {
     return !infer_any(fit->sizes.each[(a - INFER_OWN) / INFER_NODES]);
 }
 
-/* cross[BLOCK outer]: the run's own beside the outer columns. */
-static void own_cross(const infer_fit *fit, const double *product, size_t outer, double *cross) {
+/* Whether the run's contact is one of those that average 0. */
+static bool in_mean(const infer_fit *fit, const explain_data *data, size_t r) {
+    return data->contacts_average_0 && !data->run[r].held_out && fit->sizes.own[INFER_CONTACT] > 0.0;
+}
+
+/* cross[BLOCK outer]: run r's own beside the outer columns; beside the multiplier its contact has 1. */
+static void own_cross(const infer_fit *fit, const explain_data *data, size_t r, size_t outer, double *cross) {
+    const double *product = fit->product + r * fit->m * fit->m;
+    const size_t s = INFER_HATS + fit->k + 1;
     for (size_t b = 0; b < outer; b++) {
-        const size_t g = INFER_HATS + fit->k, column = outer_column(fit, b);
-        const bool off = b >= g && b < g + INFER_SPECIMEN && !(fit->sizes.specimen[b - g] > 0.0);
+        const size_t column = outer_column(fit, b);
+        const bool off =
+            column == fit->m || (b >= s && b < s + INFER_SPECIMEN && !(fit->sizes.specimen[b - s] > 0.0));
         for (size_t a = 0; a < INFER_BLOCK; a++)
             cross[b * INFER_BLOCK + a] = off || is_off(fit, a) ? 0.0 : product[column * fit->m + fit->k + a];
     }
+    cross[(s - 1) * INFER_BLOCK + INFER_CONTACT] = in_mean(fit, data, r) ? 1.0 : 0.0;
 }
 
 /* Adds run r's part, with its own eliminated, to the outer matrix a[outer outer]; and to the log determinants
  * of posterior and prior. cross: [(BLOCK + outer) outer] */
-static bool add_run(const infer_fit *fit, size_t r, size_t outer, double *a, double *cross, double det[2]) {
+static bool add_run(const infer_fit *fit, const explain_data *data, size_t r, size_t outer, double *a,
+                    double *cross, double det[2]) {
     const double *product = fit->product + r * fit->m * fit->m;
     double l[INFER_BLOCK * INFER_BLOCK], log_prior;
     if (!own_factor(fit, product, l, &log_prior))
         return false;
-    own_cross(fit, product, outer, cross);
+    own_cross(fit, data, r, outer, cross);
     dense_forward(INFER_BLOCK, l, outer, cross);
     det[0] += dense_log_determinant(INFER_BLOCK, l);
     det[1] += log_prior;
+    const size_t multiplier = INFER_HATS + fit->k;
     for (size_t i = 0; i < outer; i++) {
         const double *row = product + outer_column(fit, i) * fit->m;
-        for (size_t j = 0; j < outer; j++)
-            a[i * outer + j] += row[outer_column(fit, j)];
+        for (size_t j = 0; j < outer && i != multiplier; j++)
+            a[i * outer + j] += j != multiplier ? row[outer_column(fit, j)] : 0.0;
     }
     double *square = cross + INFER_BLOCK * outer;
     dense_transposed_product(outer, outer, INFER_BLOCK, cross, cross, square);
@@ -114,19 +128,20 @@ static bool take_specimen(const infer_fit *fit, size_t g, const double *a, doubl
     return true;
 }
 
-/* Adds the runs from .. to - 1 of one specimen to a[(g + 1) (g + 1)]. One of which no run is fitted has its
- * own all the same, but adds nothing. inner: [(g + SPECIMEN + 1) (g + SPECIMEN + 1)]. */
+/* Adds the runs from .. to - 1 of one specimen to a[(g + 1) (g + 1)], where g has the multiplier too. One of
+ * which no run is fitted has its own all the same, but adds nothing. inner: [(g + SPECIMEN + 1) (g + SPECIMEN
+ * + 1)]. */
 static bool add_specimen(const infer_fit *fit, const explain_data *data, size_t from, size_t to, double *a,
                          double *inner, double *cross, infer_posterior *p) {
     enum { S = INFER_SPECIMEN };
-    const size_t g = p->g, outer = g + S + 1, room = specimen_room(g);
+    const size_t g = p->g + 1, outer = g + S + 1, room = specimen_room(g);
     double det[2] = {0.0, 0.0}, *keep = p->specimen + from * room, *rows = keep + SPECIMEN_SQUARE;
     bool fitted = false;
     memset(inner, 0, outer * outer * sizeof *inner);
     for (size_t r = from; r < to; r++)
         fitted = fitted || !data->run[r].held_out;
     for (size_t r = from; r < to; r++)
-        if (!(fitted && data->run[r].held_out) && !add_run(fit, r, outer, inner, cross, det))
+        if (!(fitted && data->run[r].held_out) && !add_run(fit, data, r, outer, inner, cross, det))
             return false;
     if (!take_specimen(fit, g, inner, keep, det))
         return false;
@@ -145,13 +160,64 @@ static bool add_specimen(const infer_fit *fit, const explain_data *data, size_t 
     return true;
 }
 
-/* Takes the columns of a common discrepancy without a size out. */
-static void drop_absent(const infer_fit *fit, size_t g, double *a) {
+/* Takes the columns of a common discrepancy without a size out of a[n n]. */
+static void drop_absent(const infer_fit *fit, size_t n, double *a) {
     for (size_t i = 0; i < INFER_HATS; i++) {
         const bool any = infer_any(fit->sizes.common[i / INFER_NODES]);
-        for (size_t j = 0; j <= g && !any; j++)
-            a[i * (g + 1) + j] = a[j * (g + 1) + i] = 0.0;
+        for (size_t j = 0; j < n && !any; j++)
+            a[i * n + j] = a[j * n + i] = 0.0;
     }
+}
+
+/* The multiplier out of a[(g + 2) (g + 2)], which becomes [(g + 1) (g + 1)]: what is left has contacts that
+ * average 0. Their prior is normal under that condition too. */
+static void take_mean(const infer_fit *fit, const explain_data *data, infer_posterior *p, double *a) {
+    const size_t g = p->g, n = g + 2;
+    const double curvature = -a[g * n + g];
+    double *slope = p->pull_of_mean, count = 0.0;
+    for (size_t r = 0; r < data->n_runs; r++)
+        count += in_mean(fit, data, r) ? 1.0 : 0.0;
+    p->mean_square = count > 0.0 && curvature > 0.0 ? 1.0 / curvature : 0.0;
+    for (size_t i = 0; i <= g; i++)
+        slope[i] = -p->mean_square * a[g * n + (i < g ? i : g + 1)];
+    for (size_t i = 0; i <= g; i++)
+        for (size_t j = 0; j <= g; j++) {
+            const double was = a[(i < g ? i : g + 1) * n + (j < g ? j : g + 1)];
+            a[i * (g + 1) + j] = was + (p->mean_square > 0.0 ? slope[i] * slope[j] * curvature : 0.0);
+        }
+    if (p->mean_square > 0.0) {
+        p->log_det += log(curvature);
+        p->log_prior += log(count) + 2.0 * log(fit->sizes.own[INFER_CONTACT]);
+    }
+}
+
+/* p->turn, and the hats of a[e e] without what a step of the law follows of them: the discrepancy is what the
+ * law does not follow (Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274). q: the parameters' prior precision;
+ * work[k (k + e)]. */
+static palp_status turn_hats(const infer_fit *fit, const infer_posterior *p, const double *q, double *work,
+                             double *a) {
+    const size_t k = fit->k, n = fit->c.model.material.law.n, e = p->g + 1;
+    double *normal = work, *rows = work + n * n, *turn = rows + n * e;
+    memcpy(rows, a + INFER_HATS * e, n * e * sizeof *rows);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++)
+            normal[i * n + j] = rows[i * e + INFER_HATS + j] + q[i * k + j];
+        for (size_t h = 0; h < INFER_HATS; h++)
+            turn[h * n + i] = rows[i * e + h];
+    }
+    if (!dense_cholesky(n, normal))
+        return PALP_ERR_SINGULAR;
+    dense_cholesky_solve(n, normal, INFER_HATS, turn);
+    for (size_t h = 0; h < INFER_HATS; h++) {
+        memcpy(p->turn + h * k, turn + h * n, n * sizeof *turn);
+        for (size_t i = 0; i < n; i++) /* rows, then columns */
+            for (size_t j = 0; j < e; j++)
+                a[h * e + j] -= turn[h * n + i] * rows[i * e + j];
+    }
+    for (size_t j = 0; j < e; j++)
+        for (size_t h = 0; h < INFER_HATS; h++)
+            a[j * e + h] -= dense_dot(n, turn + h * n, a + j * e + INFER_HATS);
+    return PALP_OK;
 }
 
 /* Adds the priors to a[(g + 1) (g + 1)] and factorizes. */
@@ -163,6 +229,10 @@ static palp_status solve(const infer_fit *fit, const explain_data *data, infer_p
     if (status)
         return status;
     p->log_prior += log_prior;
+    if (p->turn)
+        status = turn_hats(fit, p, q, q + k * k, a);
+    if (status)
+        return status;
     for (size_t d = 0; d < INFER_DOMAINS; d++)
         p->log_prior += infer_hats_precision(fit->sizes.common[d], e, a + d * INFER_NODES * (e + 1));
     p->chi2 = a[e * e - 1];
@@ -181,28 +251,34 @@ static palp_status solve(const infer_fit *fit, const explain_data *data, infer_p
 }
 
 palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data, infer_posterior *p) {
-    const size_t k = fit->k, g = k + INFER_HATS, e = g + 1, outer = e + INFER_SPECIMEN;
+    const size_t k = fit->k, g = k + INFER_HATS, e = g + 2, outer = e + INFER_SPECIMEN;
     memset(p, 0, sizeof *p);
     p->g = g;
-    p->memory = calloc(g * g + g + k * k + k + e * e + k * k + (INFER_BLOCK + outer) * outer + outer * outer +
-                           data->n_runs * specimen_room(g),
-                       sizeof *p->memory);
+    p->k = k;
+    p->memory =
+        calloc(g * g + g + k * k + k + e * e + k * k + (INFER_BLOCK + outer) * outer + outer * outer +
+                   data->n_runs * specimen_room(g + 1) + e + INFER_HATS * k + k * (k + e + INFER_HATS),
+               sizeof *p->memory);
     if (!p->memory)
         return PALP_ERR_NO_MEMORY;
     p->factor = p->memory;
     p->mean = p->factor + g * g;
     p->normal = p->mean + g;
     p->pull = p->normal + k * k;
-    double *a = p->pull + k, *q = a + e * e, *cross = q + k * k,
+    double *a = p->pull + k, *q = a + e * e, *cross = q + k * k + k * (k + e + INFER_HATS),
            *inner = cross + (INFER_BLOCK + outer) * outer;
     p->specimen = inner + outer * outer;
+    p->pull_of_mean = p->specimen + data->n_runs * specimen_room(g + 1);
+    p->turn = data->law_first ? p->pull_of_mean + e : NULL;
     bool good = true;
     for (size_t from = 0, to = 0; from < data->n_runs && good; from = to) {
         while (to < data->n_runs && data->run[to].specimen == data->run[from].specimen)
             to++;
         good = add_specimen(fit, data, from, to, a, inner, cross, p);
     }
-    drop_absent(fit, g, a);
+    drop_absent(fit, e, a);
+    if (good)
+        take_mean(fit, data, p, a);
     palp_status status = good ? solve(fit, data, p, a, q) : PALP_ERR_SINGULAR;
     if (status) {
         infer_posterior_free(p);
@@ -232,28 +308,45 @@ double infer_log_evidence(const infer_fit *fit, const infer_posterior *p) {
     return infer_bends_evidence(fit) - 0.5 * (p->chi2 + fit->log_noise + p->log_det - p->log_prior);
 }
 
-/* -d own / d global of the specimen of run r: slope[SPECIMEN (g + 1)], and the best own without a step as the
- * last column. */
+/* -d own / d global of the specimen of run r: slope[SPECIMEN (g + 2)], the multiplier's after the global
+ * ones, and the best own without a step as the last column. */
 static const double *specimen_slope(const infer_posterior *p, size_t r, double *slope) {
-    const double *keep = p->specimen + r * specimen_room(p->g);
-    memcpy(slope, keep + SPECIMEN_SQUARE, INFER_SPECIMEN * (p->g + 1) * sizeof *slope);
-    dense_backward(INFER_SPECIMEN, keep, p->g + 1, slope);
+    const double *keep = p->specimen + r * specimen_room(p->g + 1);
+    memcpy(slope, keep + SPECIMEN_SQUARE, INFER_SPECIMEN * (p->g + 2) * sizeof *slope);
+    dense_backward(INFER_SPECIMEN, keep, p->g + 2, slope);
     return keep;
 }
 
-/* covariance[n n] += x C x' with C of the global ones, x[g n] (a column after the other). */
-static palp_status add_global(const infer_posterior *p, size_t n, const double *x, double *covariance) {
+/* Of n that depend on the global ones by -x[n (g + 2)] (a column after the other; the multiplier's, and their
+ * values without a step, last): mean[n] at the posterior; covariance[n n] += what the multiplier takes away
+ * and what the global ones add. x is used up. */
+static palp_status add_global(const infer_posterior *p, size_t n, double *x, double *mean,
+                              double *covariance) {
     const size_t g = p->g;
-    double *turned = malloc(g * n * sizeof *turned);
-    if (!turned)
-        return PALP_ERR_NO_MEMORY;
+    const double *by_mean = x + g * n;
+    double *best = x + (g + 1) * n;
+    for (size_t a = 0; a < n; a++) {
+        for (size_t b = 0; b < g; b++)
+            x[b * n + a] -= by_mean[a] * p->pull_of_mean[b];
+        best[a] -= by_mean[a] * p->pull_of_mean[g];
+        for (size_t h = 0; h < INFER_HATS && p->turn; h++)
+            for (size_t i = 0; i < p->k; i++)
+                x[h * n + a] -= p->turn[h * p->k + i] * x[(INFER_HATS + i) * n + a];
+        mean[a] = best[a];
+        for (size_t b = 0; b < g; b++)
+            mean[a] -= x[b * n + a] * p->mean[b];
+    }
+    double *turned = covariance ? malloc(g * n * sizeof *turned) : NULL;
+    if (!covariance || !turned)
+        return covariance ? PALP_ERR_NO_MEMORY : PALP_OK;
     for (size_t a = 0; a < n; a++)
         for (size_t b = 0; b < g; b++)
             turned[a * g + b] = x[b * n + a];
     dense_forward(g, p->factor, n, turned);
     for (size_t a = 0; a < n; a++)
         for (size_t b = 0; b < n; b++)
-            covariance[a * n + b] += dense_dot(g, turned + a * g, turned + b * g);
+            covariance[a * n + b] +=
+                dense_dot(g, turned + a * g, turned + b * g) - by_mean[a] * by_mean[b] * p->mean_square;
     free(turned);
     return PALP_OK;
 }
@@ -266,61 +359,58 @@ static void invert(size_t n, const double *factor, double *c) {
     dense_cholesky_solve(n, factor, n, c);
 }
 
+void infer_specimen_left(const infer_posterior *p, size_t r, double *covariance) {
+    invert(INFER_SPECIMEN, p->specimen + r * specimen_room(p->g + 1), covariance);
+}
+
 palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean, double *covariance) {
     enum { S = INFER_SPECIMEN };
-    const size_t g = p->g;
-    double *slope = malloc((g + 1) * S * sizeof *slope);
+    double *slope = malloc((p->g + 2) * S * sizeof *slope);
     if (!slope)
         return PALP_ERR_NO_MEMORY;
     const double *keep = specimen_slope(p, r, slope);
-    for (size_t a = 0; a < S; a++) {
-        mean[a] = slope[g * S + a];
-        for (size_t b = 0; b < g; b++)
-            mean[a] -= slope[b * S + a] * p->mean[b];
-    }
-    palp_status status = PALP_OK;
-    if (covariance) {
+    if (covariance)
         invert(S, keep, covariance);
-        status = add_global(p, S, slope, covariance);
-    }
+    palp_status status = add_global(p, S, slope, mean, covariance);
     free(slope);
     return status;
 }
 
-palp_status infer_own(const infer_fit *fit, const infer_posterior *p, size_t r, double *mean,
-                      double *covariance) {
+double infer_undone(const infer_posterior *p, size_t i) {
+    double sum = 0.0;
+    for (size_t h = 0; h < INFER_HATS && p->turn; h++)
+        sum += p->turn[h * p->k + i] * p->mean[h];
+    return sum;
+}
+
+palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
+                      double *mean, double *covariance) {
     enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
-    const double *product = fit->product + r * fit->m * fit->m;
-    const size_t g = p->g, outer = g + S + 1;
-    double l[B * B], log_prior, specimen[S], spread[S * S];
+    const size_t g = p->g + 1, outer = g + S + 1;
+    double l[B * B], log_prior, spread[S * S];
     double *cross = malloc(outer * B * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope);
-    palp_status status = cross && slope ? infer_specimen_own(p, r, specimen, NULL) : PALP_ERR_NO_MEMORY;
-    if (!status && !own_factor(fit, product, l, &log_prior))
+    palp_status status = cross && slope ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status && !own_factor(fit, fit->product + r * fit->m * fit->m, l, &log_prior))
         status = PALP_ERR_SINGULAR;
     if (!status) {
-        own_cross(fit, product, outer, cross);
+        own_cross(fit, data, r, outer, cross);
         dense_cholesky_solve(B, l, outer, cross); /* sensitivity of the own to the outer ones */
-        for (size_t a = 0; a < B; a++) {
-            mean[a] = cross[(g + S) * B + a];
-            for (size_t b = 0; b < g; b++)
-                mean[a] -= cross[b * B + a] * p->mean[b];
-            for (size_t b = 0; b < S; b++)
-                mean[a] -= cross[(g + b) * B + a] * specimen[b];
-        }
-    }
-    if (!status && covariance) {
         const double *by = cross + g * B;
         invert(S, specimen_slope(p, r, slope), spread);
-        invert(B, l, covariance);
-        for (size_t a = 0; a < B; a++)
+        if (covariance)
+            invert(B, l, covariance);
+        for (size_t a = 0; a < B && covariance; a++)
             for (size_t b = 0; b < B; b++)
                 for (size_t i = 0; i < S * S; i++)
                     covariance[a * B + b] += by[i / S * B + a] * spread[i] * by[i % S * B + b];
-        for (size_t b = 0; b < g; b++)
+        for (size_t b = 0; b <= g; b++) { /* through the specimen */
+            double *column = cross + (b < g ? b : g + S) * B;
             for (size_t s = 0; s < S; s++)
                 for (size_t a = 0; a < B; a++)
-                    cross[b * B + a] -= by[s * B + a] * slope[b * S + s];
-        status = add_global(p, B, cross, covariance);
+                    column[a] -= by[s * B + a] * slope[b * S + s];
+        }
+        memmove(cross + g * B, cross + (g + S) * B, B * sizeof *cross);
+        status = add_global(p, B, cross, mean, covariance);
     }
     free(cross);
     free(slope);

@@ -38,7 +38,7 @@ static palp_status find_means(const infer_search *s, double mean[INFER_OWN], dou
         if (s->data.run[r].held_out)
             continue;
         n += 1.0;
-        status = infer_own(&s->fit, &p, r, own, NULL);
+        status = infer_own(&s->fit, &s->data, &p, r, own, NULL);
         for (size_t a = 0; a < INFER_OWN && !status; a++) {
             const double off = own[a] - mean[a];
             mean[a] += off / n;
@@ -205,7 +205,7 @@ static palp_status add_domains(const infer_search *s, const infer_posterior *p, 
     const size_t n = s->data.run[r].n;
     const double *hats = fit->raw + at * fit->m + (fit->k + INFER_OWN) * n;
     double own[INFER_BLOCK];
-    palp_status status = infer_own(fit, p, r, own, NULL);
+    palp_status status = infer_own(fit, &s->data, p, r, own, NULL);
     for (size_t d = 0; d < INFER_DOMAINS && !status; d++)
         for (size_t i = 0; i < n; i++) {
             double taken = 0.0;

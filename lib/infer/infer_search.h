@@ -2,6 +2,8 @@
 #ifndef INFER_SEARCH_H
 #define INFER_SEARCH_H
 
+#include <palpate/infer.h>
+
 #include "infer_internal.h"
 
 /* One effect more beside a fit. */
@@ -55,8 +57,20 @@ void infer_search_free(infer_search *s); /* but for its data */
 palp_status infer_keep_given_arms(infer_search *s);
 
 size_t infer_added(const infer_search *s); /* how many effects, the mains' hum the last */
-/* How the specimens differ, into e, and each run's stiffness. (infer_specimens.c) */
+/* How the specimens differ in stiffness, and whether by more than chance; into e, with each run's stiffness.
+ * (infer_specimens.c) */
+palp_status infer_spread_find(const infer_search *s, palp_explain_specimens *out);
 palp_status infer_specimens_find(const infer_search *s, palp_explanation *e);
+
+/* ---- a material alone (infer_material.c) ---- */
+
+/* Into out what the fit at hand says of a material, its runs and its specimens. (infer_estimates.c) */
+palp_status infer_estimates_fill(infer_search *s, size_t n, const palp_explain_input *inputs,
+                                 palp_specimens_fit *out);
+
+/* In place of the spline of the fit at hand the most probable of the laws that choice has, if it is more
+ * probable than that, or if the spline does not compete. (infer_law.c) */
+palp_status infer_law_choose(infer_search *s, const palp_infer_choice *choice);
 
 palp_effect_id infer_added_id(const infer_search *s, size_t i);
 

@@ -29,7 +29,7 @@ static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool 
     *moved = false;
     for (size_t r = 0; r < data->n_runs && !status; r++) {
         double own[INFER_BLOCK];
-        status = infer_own(fit, &p, r, own, NULL);
+        status = infer_own(fit, data, &p, r, own, NULL);
         if (status)
             break;
         const double most = 0.25 * data->deepest, to = fmin(most, fmax(-most, own[INFER_CONTACT]));

@@ -92,7 +92,7 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
     for (size_t r = 0; r < data->n_runs && !status; r++) {
         if (data->run[r].held_out)
             continue;
-        status = infer_own(fit, &p, r, mean, covariance);
+        status = infer_own(fit, data, &p, r, mean, covariance);
         for (size_t a = 0; a < INFER_OWN && !status; a++)
             if (fit->sizes.own[a] > 0.0)
                 add_scalar(&own[a == INFER_COSINE ? INFER_SINE : a], fit->sizes.own[a], mean[a],
@@ -102,6 +102,9 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
             add_hats(each[d], fit->sizes.each[d], mean + at, covariance + at * B + at, B);
         }
     }
+    if (data->contacts_average_0 &&
+        fit->sizes.own[INFER_CONTACT] > 0.0) /* of contacts that average 0, one is known */
+        own[INFER_CONTACT].expected -= 1.0 / (fit->sizes.own[INFER_CONTACT] * fit->sizes.own[INFER_CONTACT]);
     add_told(&own[INFER_CONTACT], fit->sizes.own[INFER_CONTACT], data);
     for (size_t r = 0; r < data->n_runs && !status; r++) {
         double b[INFER_SPECIMEN], v[INFER_SPECIMEN * INFER_SPECIMEN];

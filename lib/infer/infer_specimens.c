@@ -59,14 +59,25 @@ static palp_status as_one(const infer_search *s, palp_explain_specimens *out) {
     return status ? status : infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
 }
 
+palp_status infer_spread_find(const infer_search *s, palp_explain_specimens *out) {
+    palp_status status = PALP_OK;
+    out->n = s->data.n_specimens;
+    out->sd = out->n > 1 ? s->fit.sizes.specimen[INFER_STIFFNESS] : 0.0;
+    if (out->sd > 0.0)
+        status = find_interval(s, out);
+    if (!status && out->sd > 0.0)
+        status = as_one(s, out);
+    out->found = out->evidence > infer_threshold(s->settings);
+    return status;
+}
+
 palp_status infer_specimens_find(const infer_search *s, palp_explanation *e) {
     palp_explain_specimens *out = &e->specimens;
-    out->n = s->data.n_specimens;
-    if (out->n < 2)
-        return PALP_OK;
-    out->sd = s->fit.sizes.specimen[INFER_STIFFNESS];
-    infer_posterior p;
-    palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
+    infer_posterior p = {.memory = NULL};
+    palp_status status = infer_spread_find(s, out);
+    if (status || out->n < 2)
+        return status;
+    status = infer_posterior_find(&s->fit, &s->data, &p);
     for (size_t r = 0; r < s->data.n_runs && !status; r++) {
         double own[INFER_SPECIMEN];
         status = infer_specimen_own(&p, r, own, NULL);
@@ -74,10 +85,5 @@ palp_status infer_specimens_find(const infer_search *s, palp_explanation *e) {
             e->run[r].stiffness = exp(own[INFER_STIFFNESS]);
     }
     infer_posterior_free(&p);
-    if (!status && out->sd > 0.0)
-        status = find_interval(s, out);
-    if (!status && out->sd > 0.0)
-        status = as_one(s, out);
-    out->found = out->evidence > infer_threshold(s->settings);
     return status || !out->found ? status : explain_between_find(&s->fit.c.model.material, out->sd, 0.0, e);
 }

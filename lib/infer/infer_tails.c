@@ -70,16 +70,17 @@ static void learn_once(infer_fit *fit, const explain_data *data, const double *l
 }
 
 /* What is left of run r at the most probable step of the parameters, all else at its posterior mean. */
-static palp_status left_of_run(const infer_fit *fit, const infer_posterior *p, const explain_run *run,
+static palp_status left_of_run(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                                size_t r, const double *column, double *left) {
-    const size_t n = run->n, k = fit->k;
+    const size_t n = data->run[r].n, k = fit->k;
     double most[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN], *own = most + k;
-    palp_status status = infer_own(fit, p, r, own, NULL);
+    palp_status status = infer_own(fit, data, p, r, own, NULL);
     if (!status)
         status = infer_specimen_own(p, r, own + INFER_BLOCK, NULL);
     if (status)
         return status;
-    memcpy(most, p->mean + INFER_HATS, k * sizeof *most);
+    for (size_t a = 0; a < k; a++)
+        most[a] = p->mean[INFER_HATS + a] - infer_undone(p, a);
     for (size_t a = 0; a < INFER_HATS; a++)
         own[INFER_OWN + a] += p->mean[a];
     memcpy(left, column + (fit->m - 1) * n, n * sizeof *left);
@@ -93,7 +94,7 @@ static palp_status find_left(const infer_fit *fit, const explain_data *data, dou
     infer_posterior p;
     palp_status status = infer_posterior_find(fit, data, &p);
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n)
-        status = left_of_run(fit, &p, &data->run[r], r, fit->raw + at * fit->m, left + at);
+        status = left_of_run(fit, data, &p, r, fit->raw + at * fit->m, left + at);
     infer_posterior_free(&p);
     return status;
 }

@@ -144,10 +144,12 @@ START_TEST(null_in_explain) {
     REFUSED(palp_infer(&model, 2, (void *)storage, NULL, (void *)storage, NULL));
     REFUSED(palp_explain(&model, 2, (void *)storage, (void *)storage, NULL, NULL));
     REFUSED(palp_infer(&model, 2, (void *)storage, (void *)storage, NULL, NULL));
-    REFUSED(palp_infer_material(NULL, 2, (void *)storage, (void *)storage, 0, 1, (void *)storage, NULL));
-    REFUSED(palp_infer_material(&model, 2, NULL, (void *)storage, 0, 1, (void *)storage, NULL));
-    REFUSED(palp_infer_material(&model, 2, (void *)storage, NULL, 0, 1, (void *)storage, NULL));
-    REFUSED(palp_infer_material(&model, 2, (void *)storage, (void *)storage, 0, 1, NULL, NULL));
+    REFUSED(palp_infer_material(NULL, 2, (void *)storage, (void *)storage, (void *)storage, (void *)storage,
+                                NULL));
+    REFUSED(palp_infer_material(&model, 2, NULL, (void *)storage, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_infer_material(&model, 2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_infer_material(&model, 2, (void *)storage, (void *)storage, NULL, (void *)storage, NULL));
+    REFUSED(palp_infer_material(&model, 2, (void *)storage, (void *)storage, (void *)storage, NULL, NULL));
     REFUSED(palp_explain_frame(2, NULL, (void *)storage, NULL));
     REFUSED(palp_explain_frame(2, (void *)storage, NULL, NULL));
 }

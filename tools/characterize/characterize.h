@@ -140,6 +140,7 @@ palp_characterize_settings characterize_settings(const characterize_options *o, 
                                                  size_t n_arms);
 size_t characterize_depths(const characterize_state *s); /* different depths of dwells, within 2 % */
 int characterize_choose_law(const characterize_options *o, characterize_state *s); /* --law auto */
+palp_status characterize_list_laws(characterize_state *s); /* s->law, by rising number of parameters */
 int characterize_contacts(const characterize_options *o,
                           characterize_state *s); /* --contact; the runs' depths follow */
 /* Makes depth 0 the fitted contact, whose uncertainty is then the scatter. */
@@ -163,6 +164,7 @@ void characterize_level(characterize_state *s,
                         bool on); /* divides the forces of each specimen by its factor, or undoes this */
 palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings,
                                        palp_error *error);
+void characterize_take_spread(characterize_state *s); /* of s->specimens, whose mean becomes the final fit */
 const char *characterize_specimen_name(const characterize_state *s, size_t k);
 void characterize_print_specimens(const characterize_state *s);
 json_t *characterize_json_specimens(const characterize_state *s);

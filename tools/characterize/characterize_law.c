@@ -108,8 +108,7 @@ palp_status characterize_guess(const characterize_options *o, const characterize
     return guess(s, (palp_law_kind)o->law, o->law == PALP_LAW_SPLINE ? o->knots : s->degree, law);
 }
 
-/* By rising number of parameters. */
-static palp_status list_laws(characterize_state *s) {
+palp_status characterize_list_laws(characterize_state *s) {
     static const struct {
         palp_law_kind kind;
         size_t size;
@@ -146,7 +145,7 @@ int characterize_choose_law(const characterize_options *o, characterize_state *s
     palp_error error = {PALP_OK, ""};
     palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, s->n_arms);
     settings.starts = 1;
-    palp_status status = list_laws(s);
+    palp_status status = characterize_list_laws(s);
     if (status == PALP_OK)
         status = palp_characterize_select_law(s->n, s->run, &settings, s->laws.n, s->law, s->laws.score,
                                               s->laws.sd, &s->laws.best, &error);

@@ -312,9 +312,10 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     if (!o->arms_auto && o->arms > 0 && s->n == s->n_static)
         characterize_warn(s, "ramps without a dwell do not identify arms: the model has none");
     progress_start(&bar, "fitting");
-    int code = o->likelihood ? characterize_likelihood(o, s) : fit_all(o, s, &bar);
+    int code = o->likelihood ? fit_plain(o, s) : fit_all(o, s, &bar);
+    code = code || !o->likelihood ? code : characterize_likelihood(o, s);
     if (code == CLI_OK && o->likelihood)
-        code = fit_plain(o, s);
+        code = fit_plain(o, s); /* with the new contacts */
     progress_finish(&bar);
     code = code ? code : characterize_compare(s);
     if (code == CLI_OK) {

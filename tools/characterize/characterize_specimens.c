@@ -167,6 +167,23 @@ static void fill_points(characterize_state *s) {
         s->n_points = CHARACTERIZE_BAND;
 }
 
+static void warn_alike(characterize_state *s) {
+    characterize_warn(s,
+                      "no significant difference between the %zu specimens: all runs are fitted as of one "
+                      "specimen",
+                      s->n_specimens);
+}
+
+void characterize_take_spread(characterize_state *s) {
+    if (s->specimens.n_spread > 0) {
+        fill_points(s);
+        memcpy(s->factor, s->specimens.factor, s->n_specimens * sizeof *s->factor);
+    } else if (s->n_specimens > 1)
+        warn_alike(s);
+    s->final = s->specimens.mean;
+    memset(&s->specimens.mean, 0, sizeof s->specimens.mean);
+}
+
 /* Fits each specimen if its runs identify the parameters; else all runs as of one specimen. */
 palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings,
                                        palp_error *error) {
@@ -182,18 +199,11 @@ palp_status characterize_fit_specimens(characterize_state *s, const palp_charact
                 s, "the specimens cannot be fitted each (%s): all runs are fitted as of one specimen",
                 why.text);
         else if (s->n_specimens > 1)
-            characterize_warn(
-                s,
-                "no significant difference between the %zu specimens: all runs are fitted as of "
-                "one specimen",
-                s->n_specimens);
+            warn_alike(s);
         palp_specimens_fit_free(&s->specimens);
         return palp_characterize_fit(s->n, s->run, settings, &s->final, error);
     }
-    fill_points(s);
-    memcpy(s->factor, s->specimens.factor, s->n_specimens * sizeof *s->factor);
-    s->final = s->specimens.mean;
-    memset(&s->specimens.mean, 0, sizeof s->specimens.mean);
+    characterize_take_spread(s);
     return PALP_OK;
 }
 

@@ -224,8 +224,12 @@ static void characterize(size_t least, size_t most, palp_lumped_fit *fit) {
     palp_model specimen = {.kind = PALP_MODEL_LUMPED, .height_m = HEIGHT};
     palp_error error = {.text = ""};
     const palp_explain_settings s = palp_explain_settings_default();
-    ck_assert_msg(palp_infer_material(&specimen, RUNS, input, &s, least, most, fit, &error) == PALP_OK, "%s",
+    const palp_infer_choice choice = {.least_arms = least, .most_arms = most};
+    palp_specimens_fit all;
+    ck_assert_msg(palp_infer_material(&specimen, RUNS, input, &s, &choice, &all, &error) == PALP_OK, "%s",
                   error.text);
+    ck_assert_uint_eq(all.n_specimens, 0);
+    *fit = all.mean;
 }
 
 static void check_within(const palp_estimate *e, double truth) {
@@ -265,15 +269,20 @@ END_TEST
 START_TEST(so_many_arms_as_asked_for) {
     palp_model truth = lumped_model(2);
     palp_lumped_fit fit;
+    palp_specimens_fit none;
     palp_error error;
     const palp_explain_settings s = palp_explain_settings_default();
+    const palp_infer_choice less = {.least_arms = 2, .most_arms = 1}, no_law = {.no_spline = true};
     truth.material.arms[0].viscosity_Ns = 5.0;
     record(&truth, 1, 1);
     characterize(1, 1, &fit);
     ck_assert_uint_eq(fit.material.n_arms, 1);
     palp_lumped_fit_free(&fit);
-    ck_assert_int_eq(palp_infer_material(&truth, RUNS, input, &s, 2, 1, &fit, &error), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_infer_material(&truth, 0, input, &s, 0, 1, &fit, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_infer_material(&truth, RUNS, input, &s, &less, &none, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_infer_material(&truth, RUNS, input, &s, &no_law, &none, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(
+        palp_infer_material(&truth, 0, input, &s, &(palp_infer_choice){.most_arms = 1}, &none, &error),
+        PALP_ERR_ARGUMENT);
     forget();
 }
 END_TEST

@@ -104,41 +104,71 @@ static double column(const infer_fit *fit, size_t r, size_t a, size_t i) {
     return fit->raw[r * EACH * fit->m + a * EACH + i];
 }
 
-/* Adds what parameters, hats and the runs' own do to all pairs of samples. */
-static void add_effects(const infer_fit *fit, const double *prior, double *c) {
-    const size_t n = runs * EACH, k = fit->k, hats = k + INFER_OWN;
-    static double common[INFER_HATS][INFER_HATS], each[INFER_HATS][INFER_HATS];
-    for (size_t a = 0; a < INFER_HATS; a++)
-        for (size_t b = 0; b < INFER_HATS; b++) {
+/* The same of hat a of all runs, without what the law follows of it: turn[INFER_HATS k] or NULL. */
+static double hat_column(const infer_fit *fit, const double *turn, size_t r, size_t a, size_t i) {
+    double sum = column(fit, r, fit->k + INFER_OWN + a, i);
+    for (size_t b = 0; turn && b < fit->k; b++)
+        sum -= turn[a * fit->k + b] * column(fit, r, b, i);
+    return sum;
+}
+
+/* What parameters and common hats do to samples at and bt of runs ri and rj. */
+static double shared_between(const infer_fit *fit, const double *prior, const double *turn, size_t ri,
+                             size_t at, size_t rj, size_t bt) {
+    static double common[INFER_HATS][INFER_HATS];
+    double sum = 0, x[INFER_HATS], y[INFER_HATS];
+    for (size_t a = 0; a < INFER_HATS && !(common[INFER_HATS - 1][INFER_HATS - 1] > 0); a++)
+        for (size_t b = 0; b < INFER_HATS; b++)
             common[a][b] = hats_between(fit->sizes.common, a, b);
+    for (size_t a = 0; a < INFER_HATS; a++) {
+        x[a] = hat_column(fit, turn, ri, a, at);
+        y[a] = hat_column(fit, turn, rj, a, bt);
+    }
+    for (size_t a = 0; a < INFER_HATS; a++)
+        for (size_t b = 0; b < INFER_HATS; b++)
+            sum += x[a] * y[b] * common[a][b];
+    for (size_t a = 0; a < fit->k; a++)
+        for (size_t b = 0; b < fit->k; b++)
+            sum += column(fit, ri, a, at) * prior[a * fit->k + b] * column(fit, rj, b, bt);
+    return sum;
+}
+
+/* Adds what parameters, hats and the runs' own do to all pairs of samples. turn: the law has what it
+ * can follow, and the contacts average 0; or NULL. */
+static void add_effects(const infer_fit *fit, const double *prior, const double *turn, double *c) {
+    const size_t n = runs * EACH, k = fit->k, hats = k + INFER_OWN;
+    static double each[INFER_HATS][INFER_HATS];
+    for (size_t a = 0; a < INFER_HATS; a++)
+        for (size_t b = 0; b < INFER_HATS; b++)
             each[a][b] = hats_between(fit->sizes.each, a, b);
-        }
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             const size_t ri = i / EACH, rj = j / EACH, at = i % EACH, bt = j % EACH;
-            double sum = 0;
-            for (size_t a = 0; a < k; a++)
-                for (size_t b = 0; b < k; b++)
-                    sum += column(fit, ri, a, at) * prior[a * k + b] * column(fit, rj, b, bt);
-            for (size_t a = 0; a < INFER_HATS; a++)
+            double sum = shared_between(fit, prior, turn, ri, at, rj, bt);
+            for (size_t a = 0; a < INFER_HATS && ri == rj; a++)
                 for (size_t b = 0; b < INFER_HATS; b++)
-                    sum += column(fit, ri, hats + a, at) * column(fit, rj, hats + b, bt) *
-                           (common[a][b] + (ri == rj ? each[a][b] : 0));
+                    sum += column(fit, ri, hats + a, at) * column(fit, rj, hats + b, bt) * each[a][b];
             for (size_t a = 0; a < INFER_SPECIMEN && ri / 2 == rj / 2; a++)
                 sum += pow(fit->sizes.specimen[a], 2) * column(fit, ri, k + INFER_BLOCK + a, at) *
                        column(fit, rj, k + INFER_BLOCK + a, bt);
-            for (size_t a = 0; a < INFER_OWN && ri == rj; a++)
-                sum += pow(fit->sizes.own[a], 2) * column(fit, ri, k + a, at) * column(fit, rj, k + a, bt);
+            for (size_t a = 0; a < INFER_OWN; a++) {
+                const double mean = turn && a == INFER_CONTACT ? 1.0 / (double)runs : 0;
+                sum += ((ri == rj) - mean) * pow(fit->sizes.own[a], 2) * column(fit, ri, k + a, at) *
+                       column(fit, rj, k + a, bt);
+            }
             c[i * n + j] += sum;
         }
 }
 
-START_TEST(the_evidence_is_the_joint_normal_density) {
+static void compare_with_joint_density(bool law_first) {
     explain_data data;
     infer_fit fit;
+    infer_posterior p;
     palp_model m;
-    runs = (size_t)_i;
     begin(&data, &fit, &m);
+    data.law_first = data.contacts_average_0 = law_first;
+    ck_assert_int_eq(infer_fit_score(&fit, &data), PALP_OK);
+    ck_assert_int_eq(infer_posterior_find(&fit, &data, &p), PALP_OK);
     const size_t n = runs * EACH, k = fit.k;
     double *c = calloc(n * n + 2 * k * k + n, sizeof *c), *q = c + n * n, *prior = q + k * k,
            *y = prior + k * k;
@@ -157,7 +187,8 @@ START_TEST(the_evidence_is_the_joint_normal_density) {
             c[i * n + j] =
                 i / EACH == j / EACH ? noise_between(&fit, &data, i / EACH, i % EACH, j % EACH) : 0;
     }
-    add_effects(&fit, prior, c);
+    add_effects(&fit, prior, p.turn, c);
+    infer_posterior_free(&p);
     ck_assert(dense_cholesky(n, c));
     dense_forward(n, c, 1, y);
     double expected = -0.5 * (dense_dot(n, y, y) + dense_log_determinant(n, c));
@@ -167,7 +198,41 @@ START_TEST(the_evidence_is_the_joint_normal_density) {
     ck_assert_double_eq_tol(fit.score, expected, 1e-6 * fabs(expected));
     free(c);
     end(&data, &fit);
+}
+
+START_TEST(the_evidence_is_the_joint_normal_density) {
+    runs = (size_t)_i;
+    compare_with_joint_density(false);
     runs = 2;
+}
+END_TEST
+
+START_TEST(it_is_so_too_where_the_law_comes_first) {
+    runs = (size_t)_i;
+    compare_with_joint_density(true);
+    runs = 2;
+}
+END_TEST
+
+/* The contacts average 0, exactly. */
+START_TEST(contacts_average_nothing) {
+    explain_data data;
+    infer_fit fit;
+    infer_posterior p;
+    palp_model m;
+    double own[INFER_BLOCK], mean = 0, most = 0;
+    begin(&data, &fit, &m);
+    data.law_first = data.contacts_average_0 = true;
+    ck_assert_int_eq(infer_posterior_find(&fit, &data, &p), PALP_OK);
+    for (size_t r = 0; r < runs; r++) {
+        ck_assert_int_eq(infer_own(&fit, &data, &p, r, own, NULL), PALP_OK);
+        mean += own[INFER_CONTACT];
+        most = fmax(most, fabs(own[INFER_CONTACT]));
+    }
+    infer_posterior_free(&p);
+    ck_assert_double_gt(most, 0);
+    ck_assert_double_eq_tol(mean, 0, 1e-9 * most);
+    end(&data, &fit);
 }
 END_TEST
 
@@ -353,6 +418,8 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_loop_test(tc, the_evidence_is_the_joint_normal_density, 2, MOST + 1);
+    tcase_add_loop_test(tc, it_is_so_too_where_the_law_comes_first, 2, MOST + 1);
+    tcase_add_test(tc, contacts_average_nothing);
     tcase_add_loop_test(tc, a_specimen_has_the_column_of_its_factor, 0, INFER_SPECIMEN);
     tcase_add_test(tc, the_noise_is_white_after_the_filter);
     tcase_add_test(tc, noise_is_white_until_its_correlation_is_known);

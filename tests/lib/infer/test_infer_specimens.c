@@ -9,14 +9,14 @@ enum { RUNS = 8, EACH = 140 };
 static const double SPREAD = 0.2, FRICTION = 0.02;
 
 static palp_explain_input input[RUNS];
-static double factor[RUNS];
+static double factor[RUNS], friction;
 
 /* A press, a dwell and a withdrawal to the same strain at two speeds. */
 static void record(uint64_t noise) {
     static samples s;
     for (size_t r = 0; r < RUNS; r++) {
         palp_model m = lumped_model(1);
-        add_effect(&m, PALP_EFFECT_COULOMB_FRICTION, 0)->value[0] = FRICTION;
+        add_effect(&m, PALP_EFFECT_COULOMB_FRICTION, 0)->value[0] = friction;
         const double height = 0.8 + 0.4 * palp_random_uniform(&noise), area = 0.8 + 0.4 * (double)(r % 3) / 2;
         factor[r] = exp(SPREAD * palp_random_normal(&noise));
         m.height_m *= height;
@@ -51,6 +51,7 @@ START_TEST(an_effect_in_specimens_that_differ) {
     palp_error error = {.text = ""};
     palp_explain_settings s = palp_explain_settings_default();
     memset(s.candidate, 0, sizeof s.candidate);
+    friction = FRICTION;
     s.candidate[PALP_EFFECT_COULOMB_FRICTION] = s.candidate[PALP_EFFECT_SENSOR_DRIFT] = true;
     record(7);
     ck_assert_msg(palp_infer(&m, RUNS, input, &s, &e, &error) == PALP_OK, "%s", error.text);
@@ -77,6 +78,49 @@ START_TEST(an_effect_in_specimens_that_differ) {
 }
 END_TEST
 
+/* The same specimens without friction: the mean's material, each one's factor, and the spread.
+ */
+START_TEST(the_mean_of_specimens) {
+    const palp_model truth = lumped_model(1);
+    const palp_model specimen = {
+        .kind = PALP_MODEL_LUMPED, .height_m = truth.height_m, .radius_m = truth.radius_m};
+    const palp_explain_settings s = palp_explain_settings_default();
+    const palp_infer_choice choice = {.least_arms = 1, .most_arms = 1};
+    palp_specimens_fit fit;
+    palp_specimens_point point;
+    palp_error error = {.text = ""};
+    record(7);
+    ck_assert_msg(palp_infer_material(&specimen, RUNS, input, &s, &choice, &fit, &error) == PALP_OK, "%s",
+                  error.text);
+    ck_assert_uint_eq(fit.n_specimens, RUNS);
+    ck_assert_uint_eq(fit.n_spread, 1);
+    double mean = 0, square = 0, strain = 0.15, is, found;
+    for (size_t r = 0; r < RUNS; r++)
+        mean += log(factor[r]) / RUNS;
+    for (size_t r = 0; r < RUNS; r++) {
+        square += pow(log(factor[r]) - mean, 2);
+        ck_assert_double_eq_tol(fit.factor[r], factor[r] / exp(mean), 0.05 * fit.factor[r]);
+        palp_law_stiffness(&fit.own[r].law, strain, &found, NULL);
+        palp_law_stiffness(&fit.mean.material.law, strain, &is, NULL);
+        ck_assert_double_eq_tol(found, fit.factor[r] * is, 1e-6 * found);
+    }
+    ck_assert_int_eq(palp_specimens_fit_stiffness(&fit, 1, &strain, &point), PALP_OK);
+    palp_law_stiffness(&truth.material.law, strain, &is, NULL);
+    ck_assert_double_eq_tol(point.stiffness_N, exp(mean) * is, 0.05 * is);
+    ck_assert_double_eq_tol(point.between_N, sqrt(square / (RUNS - 1)) * point.stiffness_N,
+                            0.1 * point.between_N);
+    ck_assert_double_lt(point.between_low, point.between_N);
+    ck_assert_double_gt(point.between_high, point.between_N);
+    ck_assert_double_lt(point.within_N, 0.2 * point.between_N);
+    ck_assert_double_gt(point.sd_N, point.between_N / sqrt(RUNS));
+    ck_assert_double_lt(point.sd_N, 2 * point.between_N / sqrt(RUNS));
+    palp_specimens_fit_free(&fit);
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, the_mean_of_specimens);
     tcase_add_test(tc, an_effect_in_specimens_that_differ);
 }

@@ -1,0 +1,261 @@
+/* infer_estimates.c: what the posterior says of a material, its runs and its specimens, as the caller gets
+ * it.
+ */
+#include "base/dense.h"
+#include "base/file.h"
+#include "base/statistics.h"
+#include "infer_search.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- parameters ---- */
+
+/* Derivatives by the coordinates of an estimate, or of its logarithm: springs, then K_j, b_j, tau_j; b_j =
+ * K_j tau_j. */
+static double part(size_t springs, size_t estimate, size_t coordinate) {
+    if (estimate < springs)
+        return estimate == coordinate;
+    const size_t first = springs + 2 * ((estimate - springs) / 3), what = (estimate - springs) % 3;
+    return (coordinate == first && what < 2) || (coordinate == first + 1 && what > 0);
+}
+
+static void name_estimate(size_t springs, size_t i, palp_estimate *e) {
+    static const char *const letter[3] = {"K", "b", "tau"}, *const unit[3] = {"N", "N s", "s"};
+    if (i < springs) {
+        snprintf(e->name, sizeof e->name, "c%zu", i);
+        e->unit = "N";
+        return;
+    }
+    snprintf(e->name, sizeof e->name, "%s_%zu", letter[(i - springs) % 3], 1 + (i - springs) / 3);
+    e->unit = unit[(i - springs) % 3];
+}
+
+/* at: its coordinate, or the logarithm of it, and the sd of that. Units of hyperelastic laws are not N. */
+static void fill_estimate(const palp_material *m, size_t i, double at, double sd, bool logarithmic,
+                          palp_estimate *e) {
+    name_estimate(m->law.n, i, e);
+    if (i < m->law.n && m->law.kind >= PALP_LAW_NEO_HOOKEAN)
+        e->unit = m->law.kind == PALP_LAW_OGDEN && i % 2 ? "" : "Pa";
+    e->value = logarithmic ? exp(at) : at;
+    e->sd = logarithmic ? e->value * sd : sd;
+    e->low = logarithmic ? e->value * exp(-1.96 * sd) : at - 1.96 * sd;
+    e->high = logarithmic ? e->value * exp(1.96 * sd) : at + 1.96 * sd;
+    e->determined = logarithmic ? e->high < 10.0 * e->low : e->low > 0.0 || e->high < 0.0;
+}
+
+/* Index of an estimate among the parameters, which have no times; n: it is a time. */
+static size_t parameter_of(size_t springs, size_t i, size_t n) {
+    const size_t arm = i < springs ? 0 : (i - springs) / 3, what = i < springs ? 0 : (i - springs) % 3;
+    return what < 2 ? i - arm : n;
+}
+
+static palp_status reserve(const palp_material *m, palp_lumped_fit *out) {
+    out->n_estimates = m->law.n + 3 * m->n_arms;
+    out->n_parameters = m->law.n + 2 * m->n_arms;
+    out->estimate = calloc(out->n_estimates, sizeof *out->estimate);
+    out->correlation = calloc(out->n_estimates * out->n_estimates, sizeof *out->correlation);
+    out->covariance = calloc(out->n_parameters * out->n_parameters, sizeof *out->covariance);
+    return out->estimate && out->correlation && out->covariance ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+/* Estimates, their correlation, and the parameters' covariance, all from the posterior's curvature. */
+static palp_status fill_estimates(const infer_search *s, const infer_posterior *p, palp_lumped_fit *out) {
+    const explain_fit *c = &s->fit.c;
+    const palp_material *m = &c->model.material;
+    palp_status status = reserve(m, out);
+    const size_t springs = m->law.n, n = out->n_estimates;
+    double *row = status ? NULL : calloc(n * p->g + n, sizeof *row), *scale = row ? row + n * p->g : NULL;
+    if (!row)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n; i++) {
+        double at = 0.0;
+        for (size_t a = 0; a < s->fit.k; a++) {
+            row[i * p->g + INFER_HATS + a] = part(springs, i, a) * infer_tail_widening(&s->fit);
+            at += part(springs, i, a) * c->x[a];
+        }
+        dense_forward(p->g, p->factor, 1, row + i * p->g);
+        const double sd = sqrt(dense_dot(p->g, row + i * p->g, row + i * p->g));
+        const bool logarithmic = i >= springs || c->logarithmic[i];
+        fill_estimate(m, i, at, sd, logarithmic, &out->estimate[i]);
+        scale[i] = logarithmic ? out->estimate[i].value : 1.0;
+    }
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            const double both = scale[i] * scale[j] * dense_dot(p->g, row + i * p->g, row + j * p->g);
+            const size_t a = parameter_of(springs, i, n), b = parameter_of(springs, j, n);
+            out->correlation[i * n + j] = both / (out->estimate[i].sd * out->estimate[j].sd);
+            if (a < n && b < n)
+                out->covariance[a * out->n_parameters + b] = both;
+        }
+    free(row);
+    return PALP_OK;
+}
+
+/* ---- runs ---- */
+
+/* One contact that all runs share, m; 0: it is no parameter. */
+static double shared_contact(const infer_search *s) {
+    const palp_model *m = &s->fit.c.model;
+    for (size_t i = 0; i < m->n_effects && s->settings->contact == PALP_CONTACT_COMMON; i++)
+        if (m->effects[i].id == PALP_EFFECT_CONTACT_OFFSET)
+            return m->effects[i].value[0];
+    return 0.0;
+}
+
+/* What the runs leave and have of their own, in the order of the inputs; a part of another one has nothing.
+ */
+static palp_status fill_runs(infer_search *s, const infer_posterior *p, size_t n,
+                             const palp_explain_input *inputs, palp_lumped_fit *out) {
+    out->n_runs = n;
+    out->contact_m = calloc(n, sizeof *out->contact_m);
+    out->contact_sd_m = calloc(n, sizeof *out->contact_sd_m);
+    out->rms_N = calloc(n, sizeof *out->rms_N);
+    out->absolute_N = calloc(n, sizeof *out->absolute_N);
+    if (!out->contact_m || !out->contact_sd_m || !out->rms_N || !out->absolute_N)
+        return PALP_ERR_NO_MEMORY;
+    palp_status status = infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
+    for (size_t r = 0, at = 0; r < s->data.n_runs && !status; at += s->data.run[r++].n) {
+        double own[INFER_BLOCK], covariance[INFER_BLOCK * INFER_BLOCK], squares = 0.0;
+        size_t i = 0;
+        while (i < n && strncmp(inputs[i].name, s->data.run[r].name, PALP_NAME_MAX - 1) != 0)
+            i++;
+        if (i == n)
+            continue;
+        status = infer_own(&s->fit, &s->data, p, r, own, covariance);
+        out->contact_m[i] = own[INFER_CONTACT] + shared_contact(s);
+        out->contact_sd_m[i] = sqrt(fmax(0.0, covariance[INFER_CONTACT * (INFER_BLOCK + 1)]));
+        for (size_t j = 0; j < s->data.run[r].n; j++) {
+            squares += s->residual[at + j] * s->residual[at + j];
+            out->absolute_N[i] += fabs(s->residual[at + j]);
+        }
+        out->rms_N[i] = sqrt(squares / (double)s->data.run[r].n);
+    }
+    out->contact_scatter_m = s->fit.sizes.own[INFER_CONTACT];
+    out->reduced_chi2 = p->chi2 / (double)explain_samples(&s->data);
+    out->inflation = 1.0;
+    return status;
+}
+
+/* ---- specimens ---- */
+
+/* The material of a specimen: all stiffnesses of the mean's times one factor, all times another one. */
+static palp_status scale_material(const palp_material *mean, double stiffness, double times,
+                                  palp_material *own) {
+    *own = *mean;
+    for (size_t j = 0; j < own->n_arms; j++) {
+        own->arms[j].stiffness_N *= stiffness;
+        own->arms[j].viscosity_Ns *= stiffness * times;
+    }
+    return palp_law_scale(&mean->law, stiffness, &own->law);
+}
+
+/* Derivatives of the parameters, x[2 n_parameters], by the logarithms of both factors. */
+static void differentiate(const palp_material *m, size_t n, double *x) {
+    const size_t step = m->law.kind == PALP_LAW_OGDEN ? 2 : 1;
+    for (size_t k = 0; k < m->law.n; k += step)
+        x[k] = m->law.coefficients[k];
+    for (size_t j = 0; j < m->n_arms; j++) {
+        x[m->law.n + 2 * j] = m->arms[j].stiffness_N;
+        x[m->law.n + 2 * j + 1] = x[n + m->law.n + 2 * j + 1] = m->arms[j].viscosity_Ns;
+    }
+}
+
+/* into[n n] += x' square x, x[INFER_SPECIMEN n]. */
+static void add_product(size_t n, const double *x, const double *square, double *into) {
+    enum { S = INFER_SPECIMEN };
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            for (size_t a = 0; a < S * S; a++)
+                into[i * n + j] += x[a / S * n + i] * square[a] * x[a % S * n + j];
+}
+
+/* Each specimen's material and factor; the mean of what their runs leave open, within[SPECIMEN SPECIMEN]. */
+static palp_status fill_each(const infer_search *s, const infer_posterior *p, palp_specimens_fit *out,
+                             double *within) {
+    enum { S = INFER_SPECIMEN };
+    palp_status status = PALP_OK;
+    size_t k = 0;
+    for (size_t r = 0; r < s->data.n_runs && !status; r++) {
+        double own[S], covariance[S * S];
+        if (r > 0 && s->data.run[r].specimen == s->data.run[r - 1].specimen)
+            continue;
+        if (k == out->n_specimens) /* one without a run that presses it */
+            break;
+        status = infer_specimen_own(p, r, own, NULL);
+        infer_specimen_left(p, r, covariance);
+        if (!status)
+            status = scale_material(&out->mean.material, exp(own[INFER_STIFFNESS]), exp(own[INFER_TIMES]),
+                                    &out->own[k]);
+        for (size_t a = 0; a < S * S && !status; a++)
+            within[a] += covariance[a] / (double)out->n_specimens;
+        out->factor[k++] = status ? 1.0 : exp(own[INFER_STIFFNESS]);
+    }
+    return status;
+}
+
+/* What their own leave of the mean is known by as many specimens as there are: Student's t. */
+static void widen(const infer_search *s, size_t n, const double *x, palp_specimens_fit *out) {
+    const double t = statistics_student_widening(out->n_specimens - 1);
+    double square[INFER_SPECIMEN * INFER_SPECIMEN] = {0.0};
+    for (size_t a = 0; a < INFER_SPECIMEN; a++)
+        square[a * (INFER_SPECIMEN + 1)] =
+            (t * t - 1.0) * pow(s->fit.sizes.specimen[a], 2.0) / (double)out->n_specimens;
+    add_product(n, x, square, out->mean.covariance);
+    for (size_t i = 0; i < out->mean.n_estimates; i++) {
+        palp_estimate *e = &out->mean.estimate[i];
+        const size_t at = parameter_of(out->mean.material.law.n, i, n);
+        const double more = at < n ? sqrt(out->mean.covariance[at * (n + 1)]) / e->sd : 1.0;
+        e->sd *= more;
+        e->low += (more - 1.0) * (e->low - e->value);
+        e->high += (more - 1.0) * (e->high - e->value);
+    }
+}
+
+static palp_status fill_specimens(const infer_search *s, const infer_posterior *p, palp_specimens_fit *out) {
+    enum { S = INFER_SPECIMEN };
+    const size_t n = out->mean.n_parameters, count = s->data.n_specimens;
+    palp_explain_specimens found = {.n = 0};
+    palp_status status = infer_spread_find(s, &found);
+    double within[S * S] = {0.0}, between[S * S] = {0.0}, *x = calloc(S * n, sizeof *x);
+    out->n_specimens = count;
+    out->own = calloc(count, sizeof *out->own);
+    out->factor = calloc(count, sizeof *out->factor);
+    out->between = calloc(n * n, sizeof *out->between);
+    out->within = calloc(n * n, sizeof *out->within);
+    if (!status && !(x && out->own && out->factor && out->between && out->within))
+        status = PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = fill_each(s, p, out, within);
+    if (!status && found.found) {
+        differentiate(&out->mean.material, n, x);
+        for (size_t a = 0; a < S; a++)
+            between[a * (S + 1)] = pow(s->fit.sizes.specimen[a], 2.0);
+        add_product(n, x, between, out->between);
+        add_product(n, x, within, out->within);
+        widen(s, n, x, out);
+        out->n_spread = 1;
+        out->low = found.low / found.sd;
+        out->high = found.high / found.sd;
+    }
+    free(x);
+    return status;
+}
+
+palp_status infer_estimates_fill(infer_search *s, size_t n, const palp_explain_input *inputs,
+                                 palp_specimens_fit *out) {
+    infer_posterior p;
+    palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
+    if (status)
+        return status;
+    out->mean.material = s->fit.c.model.material;
+    status = fill_estimates(s, &p, &out->mean);
+    if (!status)
+        status = fill_runs(s, &p, n, inputs, &out->mean);
+    if (!status && s->data.n_specimens > 1)
+        status = fill_specimens(s, &p, out);
+    infer_posterior_free(&p);
+    return status;
+}
