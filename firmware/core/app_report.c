@@ -6,8 +6,8 @@
 enum { STATUS_TICKS = CONTROL_HZ / 10 };
 
 void report_ack(app *a, uint16_t sequence, uint8_t command, uint8_t result) {
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_ACK};
-    m.as.ack = (palp_wire_ack){.sequence = sequence, .command = command, .result = result};
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_ACK,
+                           .as.ack = {.sequence = sequence, .command = command, .result = result}};
     (void)stream_send(&a->stream, &m);
 }
 
@@ -74,8 +74,7 @@ void report_parameter(app *a, uint8_t id) {
 }
 
 void report_configuration(app *a) {
-    palp_wire_message m = {.type = PALP_WIRE_TYPE_CONFIGURATION};
-    m.as.configuration = parameters_state(a);
+    palp_wire_message m = {.type = PALP_WIRE_TYPE_CONFIGURATION, .as.configuration = parameters_state(a)};
     (void)stream_send(&a->stream, &m);
 }
 

@@ -7,7 +7,8 @@
 /* The motion has begun, and a depth is past contact, at this share of the largest depth. */
 static const double STARTED = 1e-3;
 
-double recording_mean(const palp_recording *r, size_t first, size_t n, size_t *used) {
+/* Mean of those of n samples from first on that are used; 0 if none is. *used: their number, may be NULL. */
+static double recording_mean(const palp_recording *r, size_t first, size_t n, size_t *used) {
     double sum = 0.0, count = 0.0;
     for (size_t i = first; i < first + n; i++)
         if (r->use[i]) {

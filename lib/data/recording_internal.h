@@ -4,9 +4,6 @@
 
 #include <palpate/recording.h>
 
-/* Mean of those of n samples from first on that are used; 0 if none is. *used: their number, may be NULL. */
-double recording_mean(const palp_recording *r, size_t first, size_t n, size_t *used);
-
 /* Masks stretches at exactly the largest force, if they are at least this share of the samples. */
 void recording_mask_clipped(palp_recording *r, double share);
 

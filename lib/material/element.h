@@ -34,10 +34,6 @@ typedef struct element_steps {
 /* The step of dt, prepared now if it is not there yet. */
 const element_step *element_steps_of(const palp_material *material, double dt, element_steps *steps);
 
-/* palp_element_advance with a prepared step, without checks. */
-void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from,
-                     double strain, palp_element_state *to, double *tangent_N);
-
 /* History of n elements, structure of arrays. */
 typedef struct element_history {
     double *strain;  /* [n] */

@@ -50,8 +50,10 @@ palp_status palp_material_check(const palp_material *material, palp_error *error
     return PALP_OK;
 }
 
-void element_advance(const palp_material *material, const element_step *step, const palp_element_state *from,
-                     double strain, palp_element_state *to, double *tangent_N) {
+/* palp_element_advance with a prepared step, without checks. */
+static void element_advance(const palp_material *material, const element_step *step,
+                            const palp_element_state *from, double strain, palp_element_state *to,
+                            double *tangent_N) {
     palp_element_state start = *from, end = *from;
     double force, tangent, elastic_old;
     palp_law_force(&material->law, 1, &start.strain, &elastic_old, NULL, NULL);

@@ -239,7 +239,7 @@ palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_element
     return status;
 }
 
-static int compare_node_indices(const void *left, const void *right) {
+int mesh_compare_nodes(const void *left, const void *right) {
     int32_t a = *(const int32_t *)left, b = *(const int32_t *)right;
     return (a > b) - (a < b);
 }
@@ -266,7 +266,7 @@ palp_status palp_mesh_add_set(palp_mesh *mesh, const char *name, size_t n, const
         return PALP_ERR_NO_MEMORY;
     if (n > 0)
         memcpy(set.nodes, nodes, n * sizeof *nodes);
-    qsort(set.nodes, n, sizeof *nodes, compare_node_indices);
+    qsort(set.nodes, n, sizeof *nodes, mesh_compare_nodes);
     for (size_t i = 0; i < n; i++)
         if (i == 0 || set.nodes[i] != set.nodes[set.n - 1])
             set.nodes[set.n++] = set.nodes[i];

@@ -82,11 +82,6 @@ static palp_status append_pairs_of_all_cells(const gmsh_file *r, bool diagonals,
     return PALP_OK;
 }
 
-static int compare_node_indices(const void *left, const void *right) {
-    int32_t a = *(const int32_t *)left, b = *(const int32_t *)right;
-    return (a > b) - (a < b);
-}
-
 /* Orders cells by their nodes, then by line. */
 static int compare_cells_by_nodes(const void *left, const void *right) {
     const gmsh_cell *a = left, *b = right;
@@ -104,7 +99,7 @@ static palp_status refuse_repeated_cells(const gmsh_file *r) {
     for (size_t c = 0; c < r->cells.n; c++) {
         for (int i = sorted[c].n; i < GMSH_CELL_NODES; i++)
             sorted[c].node[i] = INT32_MAX;
-        qsort(sorted[c].node, GMSH_CELL_NODES, sizeof *sorted[c].node, compare_node_indices);
+        qsort(sorted[c].node, GMSH_CELL_NODES, sizeof *sorted[c].node, mesh_compare_nodes);
     }
     qsort(sorted, r->cells.n, sizeof *sorted, compare_cells_by_nodes);
     palp_status status = PALP_OK;

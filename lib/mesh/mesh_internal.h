@@ -53,6 +53,9 @@ double mesh_volume(const palp_mesh *mesh, double *node_m3);
 /* Nodes of face f of a tetrahedron, in outward orientation. */
 void mesh_face(const int32_t tetrahedron[4], size_t f, int32_t triangle[3]);
 
+/* Orders node numbers, for qsort. */
+int mesh_compare_nodes(const void *left, const void *right);
+
 /* Sorts n_pairs pairs by lower then higher node, lower first in each, and removes repeats; returns the number
  * that remain. */
 size_t mesh_pairs_unique(size_t n_pairs, int32_t *pairs);

@@ -1,6 +1,5 @@
-/* network_elements.c: loops over all elements: their forces, and their tangent times a vector. They go in
- * chunks that stay in the cache, with an array for each axis. All but gathering from and adding to nodes is
- * vectorized. */
+/* network_elements.c: the loop over all elements for their forces. They go in chunks that stay in the
+ * cache, with an array for each axis. All but gathering from and adding to nodes is vectorized. */
 #include "base/clones.h"
 #include "network_internal.h"
 
@@ -421,37 +420,4 @@ bool network_element_forces(palp_network *net, const network_blocks *blocks) {
     net->force_squares = sum_of_all_lanes(forces);
     net->tangent_squares = sum_of_all_lanes(tangents);
     return true;
-}
-
-/* d = minus the elements' blocks times d. */
-PALP_CLONES
-static void multiply_element_blocks(size_t n, const double *restrict force,
-                                    const double *restrict inverse_length, const double *restrict tangent,
-                                    const double *restrict inverse_rest, const double *restrict n0,
-                                    const double *restrict n1, const double *restrict n2, double *restrict d0,
-                                    double *restrict d1, double *restrict d2) {
-    for (size_t i = 0; i < n; i++) {
-        double across = -force[i] * inverse_length[i], stiffness = -tangent[i] * inverse_rest[i] - across;
-        double along = stiffness * (n0[i] * d0[i] + n1[i] * d1[i] + n2[i] * d2[i]);
-        d0[i] = along * n0[i] + across * d0[i];
-        d1[i] = along * n1[i] + across * d1[i];
-        d2[i] = along * n2[i] + across * d2[i];
-    }
-}
-
-void network_tangent_times(const palp_network *net, const double *u, double *out) {
-    const size_t m = net->n_elements;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        out[i] = net->diagonal[i] * u[i];
-    begin_exchange_by_axis(net, u);
-    for (size_t at = 0; at < m; at += CHUNK) {
-        chunk c = chunk_of_elements_at(net, at);
-        const double *n = net->direction + at;
-        fetch_chunk_differences(net, u, &c);
-        multiply_element_blocks(c.n, net->force + at, net->inverse_length + at, net->tangent + at,
-                                net->inverse_rest + at, n, n + m, n + 2 * m, c.d[0], c.d[1], c.d[2]);
-        deliver_chunk_forces(net, &c, out);
-    }
-    add_delivered_forces(net, out);
-    NETWORK_EACH_TERM(net, times, net, u, out);
 }

@@ -160,9 +160,6 @@ typedef struct network_blocks {
  * not kept, which saves memory and time. */
 bool network_element_forces(palp_network *net, const network_blocks *blocks);
 
-/* out = tangent of the last evaluation without blocks times u, [3 n_nodes] both, fixed axes included. */
-void network_tangent_times(const palp_network *net, const double *u, double *out);
-
 /* sum of a[i] b[i] */
 double network_dot(const double *a, const double *b, size_t n);
 

@@ -1,4 +1,5 @@
 /* network_newton.c: damped Newton iteration for one equilibrium, on either branch. */
+#include "base/dense.h"
 #include "network_internal.h"
 
 #include <math.h>
@@ -27,13 +28,6 @@ static bool move_along_newton_step(palp_network *net, double alpha) {
         if (net->dof[i] >= 0)
             net->next.x[i] = net->start[net->dof[i]] + alpha * net->dx[net->dof[i]];
     return network_evaluate(net);
-}
-
-static double dot_product_of_vectors(const double *a, const double *b, size_t n) {
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++)
-        sum += a[i] * b[i];
-    return sum;
 }
 
 /* dx = K^-1 rhs with the present factor; start = next's unknowns. */
@@ -114,7 +108,7 @@ static palp_status factor_positive_definite(palp_network *net, double *shift) {
 
 /* Armijo line search along dx on the energy, or on the slope along dx if there is no energy. */
 static bool search_line_downhill(palp_network *net, double *residual, double *scale) {
-    double energy, start, slope = -dot_product_of_vectors(net->rhs, net->dx, net->n_free), before = *residual;
+    double energy, start, slope = -dense_dot(net->n_free, net->rhs, net->dx), before = *residual;
     bool known = network_energy(net, &start);
     for (double alpha = 1.0; alpha >= SHORTEST; alpha *= 0.5) {
         if (!move_along_newton_step(net, alpha))
@@ -123,7 +117,7 @@ static bool search_line_downhill(palp_network *net, double *residual, double *sc
         if (*residual <= *scale)
             return true;
         if (!known) {
-            if (-dot_product_of_vectors(net->rhs, net->dx, net->n_free) <= -0.5 * slope)
+            if (-dense_dot(net->n_free, net->rhs, net->dx) <= -0.5 * slope)
                 return true;
         } else if (network_energy(net, &energy) &&
                    (energy <= start + 1e-4 * alpha * slope ||
@@ -141,7 +135,7 @@ static bool leave_unstable_equilibrium(palp_network *net) {
     for (size_t i = 0; i < net->n_free; i++)
         v[i] = (double)((i * 7919 + 13) % 1009) / 1009.0 - 0.5;
     for (int k = 0; k < ROUNDS; k++) {
-        double norm = sqrt(dot_product_of_vectors(v, v, net->n_free));
+        double norm = sqrt(dense_dot(net->n_free, v, v));
         for (size_t i = 0; i < net->n_free; i++)
             v[i] /= norm;
         linsys_solve(net->ls, v);

@@ -72,8 +72,7 @@ palp_status forward_plan_age(forward_plan *plan, double session_s);
 /* Shortest relaxation time of the plan's arms that are on; INFINITY without any. */
 double forward_shortest_arm(const forward_plan *plan);
 
-/* First column of an arm's and of an effect's parameters. */
-size_t forward_arm_column(const palp_model *model, size_t arm);
+/* First column of an effect's parameters. */
 size_t forward_effect_column(const palp_model *model, size_t effect);
 
 /* ---- a specimen: lumped, or a network ---- */

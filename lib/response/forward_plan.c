@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-size_t forward_arm_column(const palp_model *model, size_t arm) {
+/* First column of an arm's parameters. */
+static size_t forward_arm_column(const palp_model *model, size_t arm) {
     return model->material.law.n + 2 * arm;
 }
 

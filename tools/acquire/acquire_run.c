@@ -186,7 +186,7 @@ int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]) {
     return CLI_FAILURE;
 }
 
-const char *session_cause(const session *s, outcome end) {
+static const char *session_cause(const session *s, outcome end) {
     switch (end) {
     case GOES_ON:
         return NULL;

@@ -92,7 +92,6 @@ outcome session_make_ready(session *s); /* all of these, for the whole plan */
 outcome session_run(session *s, size_t i);
 /* Withdraws the plate in any state; samples until then are recorded. */
 outcome session_withdraw(session *s, outcome end);
-const char *session_cause(const session *s, outcome end); /* as in end.fault */
 /* The result in one line; empty on success. Returns the exit code. */
 int session_words(const session *s, outcome end, char words[ACQUIRE_WORDS]);
 

@@ -127,24 +127,27 @@ static device_result pump(device *d, double timeout_s, pending *p) {
     return result;
 }
 
-/* A zero goes first: it ends whatever noise on the line looked like the beginning of a frame. */
-static device_result send_frame(device *d, const palp_wire_message *m) {
+/* Writes one frame; the caller holds the lock. A zero goes first: it ends whatever noise on the line looked
+ * like the beginning of a frame. */
+static link_result write_frame(device *d, const palp_wire_message *m) {
     uint8_t frame[1 + PALP_WIRE_FRAME_MAX] = {0};
     size_t n = palp_wire_encode(m, frame + 1);
+    return d->link ? link_write(d->link, frame, n + 1, WRITE_MS) : LINK_CLOSED;
+}
+
+static device_result send_frame(device *d, const palp_wire_message *m) {
     d->alive_s = link_now_s();
     d->alive_tick = d->device_tick;
     pthread_mutex_lock(&d->writing);
-    link_result result = d->link ? link_write(d->link, frame, n + 1, WRITE_MS) : LINK_CLOSED;
+    link_result result = write_frame(d, m);
     pthread_mutex_unlock(&d->writing);
     return from_link(d, result);
 }
 
 device_result device_halt(device *d) {
-    uint8_t frame[1 + PALP_WIRE_FRAME_MAX] = {0};
     pthread_mutex_lock(&d->writing);
     palp_wire_message m = {.type = PALP_WIRE_TYPE_HALT, .sequence = d->halts++};
-    size_t n = palp_wire_encode(&m, frame + 1);
-    link_result result = d->link ? link_write(d->link, frame, n + 1, WRITE_MS) : LINK_CLOSED;
+    link_result result = write_frame(d, &m);
     pthread_mutex_unlock(&d->writing);
     return result == LINK_OK ? DEVICE_OK : result == LINK_TIMEOUT ? DEVICE_TIMEOUT : DEVICE_CLOSED;
 }

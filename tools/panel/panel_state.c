@@ -2,8 +2,8 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include "panel.h"
+#include "shared/json_out.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 #include <time.h>
@@ -140,17 +140,14 @@ static const char *advise(uint8_t fault) {
 
 /* ---- as JSON, under the lock ---- */
 
-static json_t *real(double x) {
-    return isfinite(x) ? json_real(x) : json_null();
-}
-
 static json_t *state_json(const panel *p) {
     const panel_view *v = &p->view;
     const palp_wire_status *now = &v->status;
     const double count_mm = v->info.count_pm / 1e9;
     json_t *run = json_pack("{ss sI sI so so sI sI}", "name", v->run, "number", (json_int_t)v->number, "of",
-                            (json_int_t)v->of, "elapsed_s", real(v->elapsed_s), "length_s", real(v->length_s),
-                            "samples", (json_int_t)v->samples, "lost", (json_int_t)v->lost);
+                            (json_int_t)v->of, "elapsed_s", json_number_or_null(v->elapsed_s), "length_s",
+                            json_number_or_null(v->length_s), "samples", (json_int_t)v->samples, "lost",
+                            (json_int_t)v->lost);
     char calibration[40] = "", date[16];
     device_date(v->calibration_day, date);
     if (v->calibration)
@@ -162,11 +159,13 @@ static json_t *state_json(const panel *p) {
         "fault_text", palp_wire_fault_text(now->fault), "advice", advise(now->fault), "homed", now->homed,
         "contact_known", now->contact_known, "busy", p->busy || p->waiting, "stopping", p->stop, "recording",
         v->recording, "gone", v->gone, "doing", json_string(v->doing), "contact_mm",
-        now->contact_known ? real(count_mm * now->contact) : json_null(), "place_mm", real(v->place_mm),
-        "stiffness_N_m", now->contact_known ? real(1e-3 * now->stiffness_mN_m) : json_null(), "case_C",
-        real(v->case_C), "winding_C", real(1e-2 * now->winding_cC), "travel_mm", 1e-6 * v->info.travel_nm,
-        "limit_N", 1e-6 * v->limits.force_uN, "limit_C", real(1e-2 * v->limits.temperature_cC), "runs",
-        (json_int_t)v->runs, "run", v->recording ? run : (json_decref(run), json_null()));
+        now->contact_known ? json_number_or_null(count_mm * now->contact) : json_null(), "place_mm",
+        json_number_or_null(v->place_mm), "stiffness_N_m",
+        now->contact_known ? json_number_or_null(1e-3 * now->stiffness_mN_m) : json_null(), "case_C",
+        json_number_or_null(v->case_C), "winding_C", json_number_or_null(1e-2 * now->winding_cC), "travel_mm",
+        1e-6 * v->info.travel_nm, "limit_N", 1e-6 * v->limits.force_uN, "limit_C",
+        json_number_or_null(1e-2 * v->limits.temperature_cC), "runs", (json_int_t)v->runs, "run",
+        v->recording ? run : (json_decref(run), json_null()));
 }
 
 /* The points after the number that a page has, thinned where there are many. */
@@ -184,7 +183,7 @@ static json_t *points_json(const panel *p, size_t since) {
         const panel_point *x = &p->point[i % PANEL_POINTS];
         const double value[] = {x->time_s, x->place_mm, x->depth_mm, x->force_N, x->error_mm, x->run};
         for (size_t k = 0; k < 6; k++)
-            json_array_append_new(list[k], real(value[k]));
+            json_array_append_new(list[k], json_number_or_null(value[k]));
     }
     return to;
 }

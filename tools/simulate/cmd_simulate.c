@@ -193,7 +193,7 @@ static int override_nodes(const simulate_options *o, simulation *s) {
 }
 
 /* Strain of a lumped specimen: depth over height; for a network the run gives it. */
-void simulate_judge_range(simulation *s) {
+static void simulate_judge_range(simulation *s) {
     const palp_law *law = &s->model.material.law;
     bool lumped = s->model.kind == PALP_MODEL_LUMPED && !s->reduced;
     s->beyond_s = -1;

@@ -51,7 +51,6 @@ int simulate_reduced(const simulate_options *o, simulation *s); /* instead: a re
 bool simulate_is_reduced(const char *path);
 int simulate_band_check(const simulate_options *o, const simulation *s);
 int simulate_band(const simulate_options *o, simulation *s); /* low_N, high_N of the finished curve */
-void simulate_judge_range(simulation *s);                    /* after the run: the warning and beyond_s */
 int simulate_report(const simulate_options *o, const simulation *s);
 
 /* Imperfections of a tester: regular samples, free air, sensor errors. check reads the options; resample adds

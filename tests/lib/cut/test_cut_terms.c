@@ -2,6 +2,7 @@
  */
 #include "contact/contact_internal.h"
 #include "cut_make.h"
+#include "tangent_make.h"
 
 enum { SIDE = 4, INNER = 2 * 16 + 2 * 4 + 1 };
 static const double CHANGE = 1e-7; /* m */

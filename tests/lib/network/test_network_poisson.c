@@ -2,6 +2,7 @@
 #include "mesh/mesh_internal.h"
 #include "network_make.h"
 #include "network_settle.h"
+#include "tangent_make.h"
 
 #include <palpate/cut.h>
 #include <palpate/realtime.h>

@@ -1,6 +1,7 @@
 /* test_network_volume.c: tetrahedra that resist a change of their volume. */
 #include "network_make.h"
 #include "network_settle.h"
+#include "tangent_make.h"
 
 #include <palpate/realtime.h>
 

@@ -5,6 +5,7 @@
 #include "realtime_make.h"
 #include "realtime/realtime_internal.h"
 #include "solve/multigrid_internal.h"
+#include "tangent_make.h"
 
 enum { SMALL = 5, LEVELS = 12 }; /* nodes a side: a factor alone; with coarser levels */
 

@@ -1,5 +1,6 @@
 /* test_reduce_parts.c: shapes and kept elements alone, from snapshots that are written by hand. */
 #include "reduce_make.h"
+#include "tangent_make.h"
 
 enum { NODES = 4 };
 
