@@ -245,7 +245,7 @@ static double local_compliance(double radius_in_spacings) {
  * mesh. A plane touches all nodes, however its force is spread. */
 static double stiffness_of_node_contact(const contact_set *set, const palp_tool *tool, int32_t node) {
     if (tool->shape != PALP_TOOL_PLANE)
-        return set->modulus * set->local[node] / local_compliance(tool->radius_m / set->spacing);
+        return set->solid * set->modulus * set->local[node] / local_compliance(tool->radius_m / set->spacing);
     return set->settings.stiffness * set->modulus * set->unit[node];
 }
 

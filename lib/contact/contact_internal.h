@@ -51,6 +51,7 @@ typedef struct contact {
     struct contact_face {     /* of a triangle's contact, see contact_point.c */
         double outward[3], away[3], foot[3], gradient[3][3];
         double across, along, bend, slope, size;
+        double deepening[3][3], widening[3][3]; /* d u / d x_i and d q / d x_i */
     } face;
     double stretch[3];  /* of friction's spring, m */
     double friction[3]; /* friction force on the tissue, N */
@@ -100,6 +101,7 @@ typedef struct contact_set {
                             and the stiffness of an element, 1/m; or NULL */
     double spacing;      /* of the mesh's own nodes on that surface, m */
     double modulus; /* instantaneous stiffness of an element at rest, N; set by the caller before place */
+    double solid;   /* stiffness of the surface by Poisson's ratio, over that at 1/4 */
     double edge;    /* mean edge of the surface at rest, m */
     contact_points points; /* if first is not NULL tools of all shapes touch these nodes, not triangles */
     contact_state now, next;
@@ -202,6 +204,7 @@ void contact_nearest(const double *const corner[3], const double p[3], double sh
 void contact_face_measure(const palp_tool *tool, contact *c, const double *x);
 double contact_face_energy(const contact_set *set, const contact *c);
 void contact_face_block(const contact *c, int a, int b, double k[9]);
+void contact_face_times(const contact *c, const double *u, double *out);
 
 /* Computes the pressure; returns its slope, N/m. */
 double contact_face_pressure(const contact_set *set, contact *c);

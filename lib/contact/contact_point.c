@@ -228,14 +228,13 @@ static void multiply_symmetric_block(const double k[6], const double *p, double 
     out[2] = k[3] * p[0] + k[4] * p[1] + k[5] * p[2];
 }
 
-static void multiply_blocks(const contact *c, const double *u, double *out) {
-    for (int a = 0; a < c->corners; a++)
-        for (int b = 0; b < c->corners; b++) {
-            double k[9];
-            contact_block(c, a, b, k);
-            for (int i = 0; i < 3; i++)
-                out[3 * c->node[a] + i] += dot3(k + 3 * i, u + 3 * c->node[b]);
-        }
+static void multiply_fixed_point(const contact *c, const double *u, double *out) {
+    double at_point[3], across[3];
+    contact_face_times(c, u, out);
+    contact_point(c, c->share, u, at_point);
+    multiply_symmetric_block(c->friction_tangent, at_point, across);
+    for (int i = 0; i < 3; i++)
+        along3(out + 3 * c->node[i], c->share[i], across, out + 3 * c->node[i]);
 }
 
 /* Second derivative of the distance d of a centre to a triangle:
@@ -243,7 +242,7 @@ static void multiply_blocks(const contact *c, const double *u, double *out) {
  * with n = -normal, the shares s, their gradients g, and Q = 1 - n n' without the directions of g. */
 void contact_times(const contact *c, const double *u, double *out) {
     if (c->fixed) {
-        multiply_blocks(c, u, out);
+        multiply_fixed_point(c, u, out);
         return;
     }
     double at_point[3], at_stick[3], along[3], slide[3] = {0.0}, across[3], turn[3];

@@ -39,6 +39,7 @@ palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, 
     set->max_contacts = most > 0 && most < all ? most : all;
     set->unit = unit;
     set->rest = rest;
+    set->solid = 1.0;
     set->edge = n_surface > 0 ? mean_edge_length(rest, n_surface, surface) : edge;
     set->tool = arena_take(memory, max_tools, sizeof *set->tool);
     set->pose = arena_take(memory, max_tools, sizeof *set->pose);
