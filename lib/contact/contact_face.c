@@ -66,20 +66,24 @@ static double law_integral(const contact_law *law, int integrals, double u) {
 }
 
 /* The law's mean over the depths within smoothing: its slope (0 integrals), force (1) or energy (2). */
-static double smoothed_law(const contact_set *set, const contact *c, int integrals) {
+static double smoothed_law(const contact_set *set, const contact *c, int integrals, double depth) {
     const double smooth = set->settings.smoothing * set->edge;
-    return (law_integral(&c->law, integrals, c->depth) -
-            law_integral(&c->law, integrals, c->depth - smooth)) /
+    return (law_integral(&c->law, integrals, depth) - law_integral(&c->law, integrals, depth - smooth)) /
            smooth;
 }
 
-double contact_face_energy(const contact_set *set, const contact *c) {
-    return smoothed_law(set, c, 2);
+double contact_face_energy(const contact_set *set, const contact *c, double depth) {
+    return smoothed_law(set, c, 2, depth);
 }
 
-/* Sets d u / d x_i and d q / d x_i of a triangle's contact. */
-static void measure_slopes(contact *c) {
+double contact_face_elastic(const contact_set *set, const contact *c, double depth, double *slope) {
+    *slope = smoothed_law(set, c, 0, depth);
+    return smoothed_law(set, c, 1, depth);
+}
+
+void contact_face_slopes(contact *c, double slope) {
     struct contact_face *f = &c->face;
+    f->slope = slope;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
             f->deepening[i][k] = f->across * c->share[i] * f->away[k] + f->along * f->foot[i] * f->outward[k];
@@ -90,13 +94,6 @@ static void measure_slopes(contact *c) {
 void contact_face_push(const contact *c, int i, double force[3]) {
     for (int k = 0; k < 3; k++)
         force[k] = -c->pressure * c->face.deepening[i][k];
-}
-
-double contact_face_pressure(const contact_set *set, contact *c) {
-    measure_slopes(c);
-    c->pressure = smoothed_law(set, c, 1);
-    c->face.slope = smoothed_law(set, c, 0);
-    return c->face.slope;
 }
 
 /* Tangent of a triangle's pressure: slope u_a u_b' + pressure u_ab, with d q / d x_a = 2 s_a v + 2 z t_a n

@@ -56,9 +56,23 @@ static void swap_contact_states(network_term *term, palp_network *net) {
 
 /* ---- a step -------------------------------------------------------------------------------------- */
 
+/* As the elements: by the same share of each arm. */
+static void set_relaxation(contact_set *set, const palp_network *net) {
+    const palp_material *m = &net->material;
+    contact_relaxation *r = &set->relaxation;
+    r->n_arms = m->formulation == PALP_HISTORY ? m->n_arms : 0;
+    r->share = 1.0;
+    for (size_t j = 0; j < r->n_arms; j++) {
+        r->keep[j] = net->step.decay[j];
+        r->gain[j] = net->step.gain[j] / net->modulus;
+        r->share += r->gain[j] - m->arms[j].stiffness_N / net->modulus;
+    }
+}
+
 static void begin_contact_step(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     t->set.modulus = net->modulus;
+    set_relaxation(&t->set, net);
     if (t->layer) {
         layer_place(t->layer, &t->set, 1.0, net->now.x, net->now.x);
         return;
