@@ -2,7 +2,8 @@
  * how many are missed, and how far the force is from the converged one. Quartic law and two arms. Wall times
  * are of a shared machine; the thread's own time, and that of the ticks alone that nothing interrupted, is
  * nearer to what a machine without other work would show. BENCH_TICKS=60000 is the whole minute, some ten
- * minutes of work; the first ten seconds are one round of it. */
+ * minutes of work; the first ten seconds are one round of it. BENCH_CONTACT=triangles or 2 touches whole
+ * triangles, or a smooth surface, instead of local points. */
 #include "bench.h"
 
 #include <math.h>
@@ -54,6 +55,9 @@ static palp_realtime *tissue(size_t n, double tolerance) {
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0}};
     palp_network_settings settings = palp_network_settings_default();
     palp_contact_settings contact = palp_contact_settings_default();
+    const char *surface = getenv("BENCH_CONTACT"); /* triangles, or a number of subdivisions */
+    contact.local = !surface;
+    contact.subdivisions = surface ? strtoul(surface, NULL, 10) : 0;
     palp_realtime_settings realtime = palp_realtime_settings_default();
     palp_realtime *rt;
     palp_material material = bench_material(2);

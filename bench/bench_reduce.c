@@ -104,6 +104,7 @@ static palp_network *make(size_t n, bool tool) {
     palp_material m = bench_material(2);
     palp_network_settings settings = palp_network_settings_default();
     palp_contact_settings contact = palp_contact_settings_default();
+    contact.local = false;
     palp_support supports[2];
     palp_mesh *mesh = NULL;
     palp_network *net = NULL;

@@ -1,6 +1,6 @@
-/* bench_ripple.c: ripple of the force on a smooth sphere that slides over a mesh, on triangles and on smooth
- * surfaces. Ripple is the range within the length of an edge over the mean, after subtraction of a moving
- * mean over one edge. */
+/* bench_ripple.c: ripple of the force on a smooth sphere that slides over a mesh, on whole triangles (-1),
+ * local points (0) and smooth surfaces. Ripple is the range within the length of an edge over the mean, after
+ * subtraction of a moving mean over one edge. */
 #include "bench.h"
 
 #include <math.h>
@@ -9,14 +9,15 @@
 
 enum { NODES = 7, EDGE = 24, PLACES = 2 * EDGE + 1, APPROACH = 3 }; /* EDGE: steps to an edge of the mesh */
 
-static palp_network *block(size_t subdivisions) {
+static palp_network *block(int subdivisions) {
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0}};
     palp_network_settings settings = palp_network_settings_default();
     palp_contact_settings touch = palp_contact_settings_default();
     palp_material material = {.n_arms = 0};
     palp_mesh *mesh = NULL;
     palp_network *net = NULL;
-    touch.subdivisions = subdivisions;
+    touch.local = subdivisions >= 0;
+    touch.subdivisions = subdivisions > 0 ? (size_t)subdivisions : 0;
     bench_check(palp_law_polynomial(1, (double[]){0.54}, &material.law), "law");
     bench_check(palp_mesh_lattice((size_t[]){NODES, NODES, NODES},
                                   (double[]){BENCH_SIZE, BENCH_SIZE, BENCH_SIZE}, PALP_NEIGHBOURS_26, &mesh),
@@ -40,7 +41,7 @@ static double ripple(const double force[PLACES]) {
 }
 
 /* Across the middle of the block's top, in steps of (x, z). */
-static void slide(size_t subdivisions, double radius, double press, const double way[2]) {
+static void slide(int subdivisions, double radius, double press, const double way[2]) {
     const double edge = BENCH_SIZE / (NODES - 1), middle = 0.5 * BENCH_SIZE;
     double force[3][PLACES], mean = 0.0;
     palp_network *net = block(subdivisions);
@@ -73,8 +74,8 @@ int main(void) {
         NODES, 1e3 * BENCH_SIZE);
     printf("%9s %8s %12s %24s %24s\n", "radius mm", "depth mm", "subdivisions", "x", "x and z");
     for (size_t s = 0; s < sizeof spheres / sizeof *spheres; s++)
-        for (size_t k = 0; k <= 3; k++) {
-            printf("%9g %8g %12zu", 1e3 * spheres[s][0], 1e3 * spheres[s][1], k);
+        for (int k = -1; k <= 3; k++) {
+            printf("%9g %8g %12d", 1e3 * spheres[s][0], 1e3 * spheres[s][1], k);
             for (size_t w = 0; w < 2; w++)
                 slide(k, spheres[s][0], spheres[s][1], ways[w]);
             printf("\n");

@@ -1,6 +1,6 @@
 /* bench_touch.c: spheres pressed into a cube of 24 mm, on a node, between two, in the middle of a cell and
  * off it: force over that of Hertz, of the solid with the same force under a plate. usage: bench_touch
- * [none|continuum [local|SUBDIVISIONS [STIFFNESS]]] */
+ * [none|continuum [local|triangles|SUBDIVISIONS [STIFFNESS]]] */
 #include "bench.h"
 
 #include <math.h>
@@ -73,7 +73,7 @@ int main(int argc, char **argv) {
         argc > 1 && strcmp(argv[1], "none") == 0 ? PALP_SCALING_NONE : PALP_SCALING_CONTINUUM;
     palp_contact_settings touch = palp_contact_settings_default();
     touch.subdivisions = argc > 2 ? (size_t)atoi(argv[2]) : 0;
-    touch.local = argc > 2 && strcmp(argv[2], "local") == 0;
+    touch.local = argc <= 2 || strcmp(argv[2], "local") == 0;
     touch.stiffness = argc > 3 ? atof(argv[3]) : touch.stiffness;
     printf("%7s %6s %6s %s\n", "nodes", "radius", "depth", "force over Hertz's: node, edge, cell, off");
     for (size_t s = 0; s < sizeof sides / sizeof *sides; s++) {

@@ -16,8 +16,8 @@ typedef enum palp_tool_shape {
 
 /* A tool and its pose, in the mesh's coordinates. Contact is one-sided: a penalty force where the surface is
  * inside the tool, quadratic in the depth at first touch and linear beyond, with Coulomb friction. A plane
- * touches nodes of the surface. A sphere or capsule touches each triangle at its nearest point, so that even
- * a small tool has contact between nodes. With subdivisions tools touch the vertices of a smooth surface
+ * touches nodes of the surface. A sphere or capsule touches triangles in fixed points, so that even a small
+ * tool has contact between nodes. With subdivisions tools touch the vertices of a smooth surface
  * instead: Loop's limit surface (Loop 1987, Hoppe et al. 1994) of nodes smoothed once by the same scheme. Its
  * vertices are fixed means of nearby nodes, so that a sliding tool feels little of the mesh. A tool should be
  * thicker than its triangles. */
@@ -51,7 +51,8 @@ typedef struct palp_contact_settings {
     size_t subdivisions;
     /* Without subdivisions: spheres and capsules touch triangles in points that give way by what the mesh
      * lacks of the tissue below (doc/numerics.md), so that force hardly depends on where between the nodes a
-     * tool is. stiffness then only keeps a tool from sinking in by more than half its radius. false */
+     * tool is. stiffness then only keeps a tool from sinking in by more than half its radius. Otherwise each
+     * triangle is touched in its nearest point, which is up to four times too stiff. true */
     bool local;
     size_t max_contacts;    /* points near tools at once, others are ignored; 0 = as many as possible */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */

@@ -66,55 +66,76 @@ static double law_integral(const contact_law *law, int integrals, double u) {
 }
 
 /* The law's mean over the depths within smoothing: its slope (0 integrals), force (1) or energy (2). */
-static double smoothed_law(const contact_set *set, const contact *c, int integrals) {
+static double smoothed_law(const contact_set *set, const contact *c, int integrals, double depth) {
     const double smooth = set->settings.smoothing * set->edge;
-    return (law_integral(&c->law, integrals, c->depth) -
-            law_integral(&c->law, integrals, c->depth - smooth)) /
+    return (law_integral(&c->law, integrals, depth) - law_integral(&c->law, integrals, depth - smooth)) /
            smooth;
 }
 
-double contact_face_energy(const contact_set *set, const contact *c) {
-    return smoothed_law(set, c, 2);
+double contact_face_energy(const contact_set *set, const contact *c, double depth) {
+    return smoothed_law(set, c, 2, depth);
 }
 
-/* d u / d x_i of a triangle's contact. */
-static void deepening(const contact *c, int i, double to[3]) {
-    const struct contact_face *f = &c->face;
-    for (int k = 0; k < 3; k++)
-        to[k] = f->across * c->share[i] * f->away[k] + f->along * f->foot[i] * f->outward[k];
+double contact_face_elastic(const contact_set *set, const contact *c, double depth, double *slope) {
+    *slope = smoothed_law(set, c, 0, depth);
+    return smoothed_law(set, c, 1, depth);
+}
+
+void contact_face_slopes(contact *c, double slope) {
+    struct contact_face *f = &c->face;
+    f->slope = slope;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            f->deepening[i][k] = f->across * c->share[i] * f->away[k] + f->along * f->foot[i] * f->outward[k];
+            f->widening[i][k] = 2.0 * (c->share[i] * f->away[k] + c->distance * f->foot[i] * f->outward[k]);
+        }
 }
 
 void contact_face_push(const contact *c, int i, double force[3]) {
-    deepening(c, i, force);
     for (int k = 0; k < 3; k++)
-        force[k] *= -c->pressure;
-}
-
-double contact_face_pressure(const contact_set *set, contact *c) {
-    c->pressure = smoothed_law(set, c, 1);
-    c->face.slope = smoothed_law(set, c, 0);
-    return c->face.slope;
+        force[k] = -c->pressure * c->face.deepening[i][k];
 }
 
 /* Tangent of a triangle's pressure: slope u_a u_b' + pressure u_ab, with d q / d x_a = 2 s_a v + 2 z t_a n
  * and d(t_a n) / d x_b = z (g_a g_b) n n' - t_b n g_a' - t_a g_b n', g the gradients of the shares. */
 void contact_face_block(const contact *c, int a, int b, double k[9]) {
     const struct contact_face *f = &c->face;
-    const double *n = f->outward, *ga = f->gradient[a], *gb = f->gradient[b], s = c->share[a] * c->share[b],
-                 ta = f->foot[a], tb = f->foot[b], z = c->distance, p = c->pressure;
-    double ua[3], ub[3], qa[3], qb[3];
-    deepening(c, a, ua);
-    deepening(c, b, ub);
-    for (int i = 0; i < 3; i++) {
-        qa[i] = 2.0 * (c->share[a] * f->away[i] + z * ta * n[i]);
-        qb[i] = 2.0 * (c->share[b] * f->away[i] + z * tb * n[i]);
+    const double *n = f->outward, *ga = f->gradient[a], *gb = f->gradient[b], p = c->pressure,
+                 ta = p * f->along * f->foot[a], tb = p * f->along * f->foot[b], bend = p * f->bend,
+                 same = p * f->across * c->share[a] * c->share[b],
+                 normal = p * (f->along * c->distance * dot3(ga, gb) - f->across * f->foot[a] * f->foot[b]);
+    for (int row = 0, i = 0; row < 3; row++) {
+        const double u = f->slope * f->deepening[a][row], q = bend * f->widening[a][row], g = ta * gb[row];
+        k[4 * row] += same;
+        for (int col = 0; col < 3; col++, i++)
+            k[i] += u * f->deepening[b][col] + q * f->widening[b][col] +
+                    n[row] * (normal * n[col] - tb * ga[col]) - g * n[col];
     }
-    const double normal = f->along * z * dot3(ga, gb) - f->across * ta * tb;
-    for (int i = 0; i < 9; i++) {
-        const int row = i / 3, col = i % 3;
-        k[i] += f->slope * ua[row] * ub[col] +
-                p * (f->bend * qa[row] * qb[col] + (row == col ? f->across * s : 0.0) +
-                     normal * n[row] * n[col] - f->along * (tb * n[row] * ga[col] + ta * gb[row] * n[col]));
+}
+
+/* The same, of all corners at once. */
+void contact_face_times(const contact *c, const double *u, double *out) {
+    const struct contact_face *f = &c->face;
+    const double *n = f->outward, p = c->pressure;
+    double deeper = 0.0, wider = 0.0, foot[3] = {0.0}, at_point[3], turn[3] = {0.0};
+    contact_point(c, c->share, u, at_point);
+    for (int b = 0; b < 3; b++) {
+        const double *ub = u + 3 * c->node[b];
+        deeper += dot3(f->deepening[b], ub);
+        wider += dot3(f->widening[b], ub);
+        along3(foot, f->foot[b], ub, foot);
+        along3(turn, dot3(n, ub), f->gradient[b], turn);
+    }
+    for (int a = 0; a < 3; a++) {
+        double *o = out + 3 * c->node[a];
+        const double normal =
+            f->along * (c->distance * dot3(f->gradient[a], turn) - dot3(f->gradient[a], foot)) -
+            f->across * f->foot[a] * dot3(n, foot);
+        along3(o, f->slope * deeper, f->deepening[a], o);
+        along3(o, p * f->bend * wider, f->widening[a], o);
+        along3(o, p * f->across * c->share[a], at_point, o);
+        along3(o, p * normal, n, o);
+        along3(o, -p * f->along * f->foot[a], turn, o);
     }
 }
 
@@ -144,7 +165,7 @@ static double stiffness_of_law(const contact_law *law, double length) {
 
 void contact_face_law(const contact_set *set, const palp_tool *tool, double stiffness, double spacing,
                       contact *c) {
-    c->law = local_law(SOLID * stiffness, tool->radius_m, spacing, 1.0 - dot3(c->share, c->share),
-                       set->settings.stiffness);
+    c->law = local_law(SOLID * set->solid * stiffness, tool->radius_m, spacing,
+                       1.0 - dot3(c->share, c->share), set->settings.stiffness);
     c->stiffness = stiffness_of_law(&c->law, fmin(spacing, tool->radius_m));
 }

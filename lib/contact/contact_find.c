@@ -166,7 +166,10 @@ static bool place_friction_anchor(const contact_set *set, const double *committe
     along3(place, 1.0, moved, c->anchor);
     c->entry = 1.0;
     c->touched = touch != NULL;
+    c->memory = touch ? (int32_t)(touch - set->now.touch) : -1;
     if (touch) {
+        for (size_t j = 0; j < set->relaxation.n_arms && contact_relaxes(set, c); j++)
+            c->past += set->relaxation.keep[j] * touch->arm[j] - set->relaxation.gain[j] * touch->elastic;
         c->doubt = touch->doubt;
         memcpy(c->was, touch->stretch, sizeof c->was);
         along3(c->anchor, -1.0, touch->stretch, c->anchor);
@@ -245,7 +248,7 @@ static double local_compliance(double radius_in_spacings) {
  * mesh. A plane touches all nodes, however its force is spread. */
 static double stiffness_of_node_contact(const contact_set *set, const palp_tool *tool, int32_t node) {
     if (tool->shape != PALP_TOOL_PLANE)
-        return set->modulus * set->local[node] / local_compliance(tool->radius_m / set->spacing);
+        return set->solid * set->modulus * set->local[node] / local_compliance(tool->radius_m / set->spacing);
     return set->settings.stiffness * set->modulus * set->unit[node];
 }
 

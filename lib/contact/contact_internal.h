@@ -37,9 +37,12 @@ typedef struct contact {
     double was[3];         /* stretch of friction's spring in the committed state, m */
     contact_doubt doubt;   /* of its start */
     bool touched;          /* touched in the committed state */
+    int32_t memory;        /* its record there, or -1 */
+    double past;           /* pressure at no depth by what it remembers, N; at most 0 */
     double entry;          /* share of the step since contact began */
     /* at the last evaluation */
     double depth, pressure; /* m, N */
+    double elastic;         /* pressure before any of it has relaxed, N */
     double share[3];        /* barycentric coordinates of the nearest point */
     double gradient[3][3];  /* of the shares on the triangle, 1/m; along the edge only on an edge, 0 in a
                                corner */
@@ -51,6 +54,7 @@ typedef struct contact {
     struct contact_face {     /* of a triangle's contact, see contact_point.c */
         double outward[3], away[3], foot[3], gradient[3][3];
         double across, along, bend, slope, size;
+        double deepening[3][3], widening[3][3]; /* d u / d x_i and d q / d x_i */
     } face;
     double stretch[3];  /* of friction's spring, m */
     double friction[3]; /* friction force on the tissue, N */
@@ -64,7 +68,15 @@ typedef struct contact_touch {
     int32_t tool, node[3], part;
     double stretch[3];
     contact_doubt doubt;
+    double elastic, arm[PALP_ARMS_MAX]; /* N, of a contact that relaxes: its arms have these parts of it */
 } contact_touch;
+
+/* How local compliance relaxes in a step, as the tissue's arms do: the pressure is share times the elastic
+ * one, and what is kept of each arm. */
+typedef struct contact_relaxation {
+    size_t n_arms;
+    double share, keep[PALP_ARMS_MAX], gain[PALP_ARMS_MAX];
+} contact_relaxation;
 
 /* What a state keeps of contacts. */
 typedef struct contact_state {
@@ -100,7 +112,9 @@ typedef struct contact_set {
                             and the stiffness of an element, 1/m; or NULL */
     double spacing;      /* of the mesh's own nodes on that surface, m */
     double modulus; /* instantaneous stiffness of an element at rest, N; set by the caller before place */
-    double edge;    /* mean edge of the surface at rest, m */
+    double solid;   /* stiffness of the surface by Poisson's ratio, over that at 1/4 */
+    contact_relaxation relaxation; /* of the step; set by the caller before place */
+    double edge;                   /* mean edge of the surface at rest, m */
     contact_points points; /* if first is not NULL tools of all shapes touch these nodes, not triangles */
     contact_state now, next;
 } contact_set;
@@ -189,6 +203,9 @@ void contact_block(const contact *c, int a, int b, double k[9]);
 /* Size of the force that is normal to the tool, N. */
 double contact_normal_force(const contact *c);
 
+/* Is its stiffness the tissue's, which relaxes, rather than a penalty? */
+bool contact_relaxes(const contact_set *set, const contact *c);
+
 /* Potential of its normal force, J. */
 double contact_energy(const contact_set *set, const contact *c);
 
@@ -197,14 +214,18 @@ void contact_nearest(const double *const corner[3], const double p[3], double sh
 
 /* ---- contact_face.c: fixed points of triangles ---- */
 
-/* As contact_measure, contact_energy and contact_block; forces and the tangent are without friction, k is
- * added to. */
+/* As contact_measure, contact_energy and contact_block; the energy is that of the elastic pressure, forces
+ * and the tangent are without friction, k is added to. */
 void contact_face_measure(const palp_tool *tool, contact *c, const double *x);
-double contact_face_energy(const contact_set *set, const contact *c);
+double contact_face_energy(const contact_set *set, const contact *c, double depth);
 void contact_face_block(const contact *c, int a, int b, double k[9]);
+void contact_face_times(const contact *c, const double *u, double *out);
 
-/* Computes the pressure; returns its slope, N/m. */
-double contact_face_pressure(const contact_set *set, contact *c);
+/* Elastic pressure at this depth, N, and its slope, N/m. */
+double contact_face_elastic(const contact_set *set, const contact *c, double depth, double *slope);
+
+/* Prepares forces and tangent for this slope of the pressure. */
+void contact_face_slopes(contact *c, double slope);
 
 /* Pressure's force on corner i. */
 void contact_face_push(const contact *c, int i, double force[3]);

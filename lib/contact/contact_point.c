@@ -144,31 +144,75 @@ static void add_longitudinal_block(double s, const double *a, double k[6]) {
 }
 
 /* Force of the penalty and its slope: quadratic up to the smoothing depth, then linear. */
-static double penalty_force_at_depth(const contact_set *set, const contact *c, double *slope) {
-    double smooth = set->settings.smoothing * set->edge, d = c->depth;
+static double penalty_force_at_depth(const contact_set *set, const contact *c, double d, double *slope) {
+    double smooth = set->settings.smoothing * set->edge;
     *slope = d < smooth ? c->stiffness * d / smooth : c->stiffness;
     return d < smooth ? 0.5 * d * *slope : c->stiffness * (d - 0.5 * smooth);
 }
 
-double contact_energy(const contact_set *set, const contact *c) {
+static double elastic_force_at_depth(const contact_set *set, const contact *c, double d, double *slope) {
+    return c->fixed ? contact_face_elastic(set, c, d, slope) : penalty_force_at_depth(set, c, d, slope);
+}
+
+static double elastic_energy_at_depth(const contact_set *set, const contact *c, double d) {
+    double smooth = set->settings.smoothing * set->edge;
     if (c->fixed)
-        return contact_face_energy(set, c);
-    double smooth = set->settings.smoothing * set->edge, d = c->depth;
+        return contact_face_energy(set, c, d);
     if (d < smooth)
         return c->stiffness * d * d * d / (6.0 * smooth);
     return c->stiffness * (0.5 * d * (d - smooth) + smooth * smooth / 6.0);
 }
 
+bool contact_relaxes(const contact_set *set, const contact *c) {
+    return c->fixed || (set->local && set->tool[c->tool].shape != PALP_TOOL_PLANE);
+}
+
+static double instant_share(const contact_set *set, const contact *c) {
+    return contact_relaxes(set, c) ? set->relaxation.share : 1.0;
+}
+
+/* Sets the pressure: what it remembers makes it less, to 0 at least. Returns its slope by the depth. */
+static double evaluate_pressure(const contact_set *set, contact *c) {
+    const double share = instant_share(set, c);
+    double slope;
+    c->elastic = elastic_force_at_depth(set, c, c->depth, &slope);
+    c->pressure = fmax(0.0, share * c->elastic + c->past);
+    return c->pressure > 0.0 ? share * slope : 0.0;
+}
+
+/* Depth at which the pressure begins: by bisection. */
+static double depth_without_pressure(const contact_set *set, const contact *c, double share) {
+    enum { HALVES = 48 };
+    double low = 0.0, high = c->depth, slope;
+    for (int i = 0; i < HALVES; i++) {
+        const double middle = 0.5 * (low + high);
+        if (share * elastic_force_at_depth(set, c, middle, &slope) + c->past > 0.0)
+            high = middle;
+        else
+            low = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+double contact_energy(const contact_set *set, const contact *c) {
+    const double share = instant_share(set, c);
+    if (!(c->past < 0.0))
+        return share * elastic_energy_at_depth(set, c, c->depth) + c->past * c->depth;
+    if (!(c->pressure > 0.0))
+        return 0.0;
+    const double start = depth_without_pressure(set, c, share);
+    return share * (elastic_energy_at_depth(set, c, c->depth) - elastic_energy_at_depth(set, c, start)) +
+           c->past * (c->depth - start);
+}
+
 /* Tangent of the pressure along the normal, and across it where the point cannot move on its triangle:
- * all round in a corner, across an edge on one. A capsule is straight along its axis. Returns the pressure's
- * slope by the depth. */
-static double evaluate_normal_force(const contact_set *set, const palp_tool *tool, contact *c) {
-    double slope, edge[3] = {0.0}, length = 0.0;
-    c->pressure = penalty_force_at_depth(set, c, &slope);
+ * all round in a corner, across an edge on one. A capsule is straight along its axis. */
+static void evaluate_normal_force(const palp_tool *tool, contact *c, double slope) {
+    double edge[3] = {0.0}, length = 0.0;
     memset(c->normal_tangent, 0, sizeof c->normal_tangent);
     add_longitudinal_block(slope, c->normal, c->normal_tangent);
     if (tool->shape == PALP_TOOL_PLANE || is_inside_triangle(c) || !(c->distance > 0.0))
-        return slope;
+        return;
     double bend = c->pressure / c->distance;
     add_transverse_block(-bend, c->normal, c->normal_tangent);
     for (int i = 0; i < 3 && length == 0.0; i++) {
@@ -180,7 +224,6 @@ static double evaluate_normal_force(const contact_set *set, const palp_tool *too
         add_longitudinal_block(bend, edge, c->normal_tangent);
     else if (tool->shape == PALP_TOOL_CAPSULE && c->along > 0.0 && c->along < tool->length_m)
         add_longitudinal_block(bend, tool->axis, c->normal_tangent);
-    return slope;
 }
 
 double contact_normal_force(const contact *c) {
@@ -216,8 +259,12 @@ void contact_evaluate(const contact_set *set, contact *c, const double *x) {
         c->depth = 0.0; /* a tool that far through the surface has lost it */
     if (!(c->depth > 0.0))
         return;
-    const double slope = c->fixed ? contact_face_pressure(set, c) * c->face.size * c->face.size
-                                  : evaluate_normal_force(set, tool, c);
+    double slope = evaluate_pressure(set, c);
+    if (c->fixed) {
+        contact_face_slopes(c, slope);
+        slope *= c->face.size * c->face.size;
+    } else
+        evaluate_normal_force(tool, c, slope);
     if (tool->friction > 0.0)
         evaluate_friction_force(c, tool->friction, slope, x);
 }
@@ -228,14 +275,13 @@ static void multiply_symmetric_block(const double k[6], const double *p, double 
     out[2] = k[3] * p[0] + k[4] * p[1] + k[5] * p[2];
 }
 
-static void multiply_blocks(const contact *c, const double *u, double *out) {
-    for (int a = 0; a < c->corners; a++)
-        for (int b = 0; b < c->corners; b++) {
-            double k[9];
-            contact_block(c, a, b, k);
-            for (int i = 0; i < 3; i++)
-                out[3 * c->node[a] + i] += dot3(k + 3 * i, u + 3 * c->node[b]);
-        }
+static void multiply_fixed_point(const contact *c, const double *u, double *out) {
+    double at_point[3], across[3];
+    contact_face_times(c, u, out);
+    contact_point(c, c->share, u, at_point);
+    multiply_symmetric_block(c->friction_tangent, at_point, across);
+    for (int i = 0; i < 3; i++)
+        along3(out + 3 * c->node[i], c->share[i], across, out + 3 * c->node[i]);
 }
 
 /* Second derivative of the distance d of a centre to a triangle:
@@ -243,7 +289,7 @@ static void multiply_blocks(const contact *c, const double *u, double *out) {
  * with n = -normal, the shares s, their gradients g, and Q = 1 - n n' without the directions of g. */
 void contact_times(const contact *c, const double *u, double *out) {
     if (c->fixed) {
-        multiply_blocks(c, u, out);
+        multiply_fixed_point(c, u, out);
         return;
     }
     double at_point[3], at_stick[3], along[3], slide[3] = {0.0}, across[3], turn[3];

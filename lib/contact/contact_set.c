@@ -39,6 +39,8 @@ palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, 
     set->max_contacts = most > 0 && most < all ? most : all;
     set->unit = unit;
     set->rest = rest;
+    set->solid = 1.0;
+    set->relaxation = (contact_relaxation){.share = 1.0};
     set->edge = n_surface > 0 ? mean_edge_length(rest, n_surface, surface) : edge;
     set->tool = arena_take(memory, max_tools, sizeof *set->tool);
     set->pose = arena_take(memory, max_tools, sizeof *set->pose);
@@ -213,6 +215,16 @@ static void add_force_on_tool(const palp_tool *pose, const contact *c, const dou
     felt->depth_m = fmax(felt->depth_m, c->depth - c->early);
 }
 
+/* A contact that is new has no arms yet. */
+static void remember_arms(const contact_set *set, const contact *c, contact_touch *t) {
+    const contact_touch *was = c->memory < 0 ? NULL : &set->now.touch[c->memory];
+    const contact_relaxation *r = &set->relaxation;
+    t->elastic = c->elastic;
+    for (size_t j = 0; j < r->n_arms; j++)
+        t->arm[j] =
+            (was ? r->keep[j] * was->arm[j] - r->gain[j] * was->elastic : 0.0) + r->gain[j] * c->elastic;
+}
+
 void contact_set_finish(contact_set *set, const double *x) {
     contact_state *next = &set->next;
     next->n_tools = set->n_tools;
@@ -231,6 +243,7 @@ void contact_set_finish(contact_set *set, const double *x) {
         t->part = c->part;
         memcpy(t->node, c->node, sizeof t->node);
         memcpy(t->stretch, c->stretch, sizeof t->stretch);
+        remember_arms(set, c, t);
     }
 }
 

@@ -7,6 +7,9 @@
 
 enum { MOST_SUBDIVISIONS = 4 };
 
+/* Of springs alone, 1 less Poisson's ratio. At equal shear modulus the modulus of a surface, E / (1 - nu^2),
+ * goes as 1 / (1 - nu). */
+static const double SOLIDITY = 0.75;
 static const double LEAP = 0.1; /* of an edge: a tool that goes further in a step is not followed */
 
 static contact_set *contact_set_of_term(network_term *term) {
@@ -53,9 +56,23 @@ static void swap_contact_states(network_term *term, palp_network *net) {
 
 /* ---- a step -------------------------------------------------------------------------------------- */
 
+/* As the elements: by the same share of each arm. */
+static void set_relaxation(contact_set *set, const palp_network *net) {
+    const palp_material *m = &net->material;
+    contact_relaxation *r = &set->relaxation;
+    r->n_arms = m->formulation == PALP_HISTORY ? m->n_arms : 0;
+    r->share = 1.0;
+    for (size_t j = 0; j < r->n_arms; j++) {
+        r->keep[j] = net->step.decay[j];
+        r->gain[j] = net->step.gain[j] / net->modulus;
+        r->share += r->gain[j] - m->arms[j].stiffness_N / net->modulus;
+    }
+}
+
 static void begin_contact_step(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     t->set.modulus = net->modulus;
+    set_relaxation(&t->set, net);
     if (t->layer) {
         layer_place(t->layer, &t->set, 1.0, net->now.x, net->now.x);
         return;
@@ -312,6 +329,7 @@ static network_term *create_contact_term(const palp_network *net, size_t max_too
     else
         contact_set_create(&t->set, memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit,
                            net->extent, max_tools, settings);
+    t->set.solid = SOLIDITY / (1.0 - fmax(net->settings.poisson_ratio, 1.0 - SOLIDITY));
     return &t->term;
 }
 
@@ -328,14 +346,17 @@ static palp_status reserve_tangent_pairs(palp_network *net, const network_term *
 /* ---- the public calls -------------------------------------------------------------------------- */
 
 palp_contact_settings palp_contact_settings_default(void) {
-    return (palp_contact_settings){.stiffness = 20.0, .grasp_stiffness = 100.0, .smoothing = 0.01};
+    return (palp_contact_settings){
+        .stiffness = 20.0, .grasp_stiffness = 100.0, .smoothing = 0.01, .local = true};
 }
 
 palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_t max_grasped,
                                       const palp_contact_settings *settings) {
-    const palp_contact_settings *s = settings;
-    if (!net || !s || contact_of(net) || max_tools > INT32_MAX || max_grasped > net->n_nodes)
+    if (!net || !settings || contact_of(net) || max_tools > INT32_MAX || max_grasped > net->n_nodes)
         return PALP_ERR_ARGUMENT;
+    palp_contact_settings own = *settings;
+    own.local = own.local && own.subdivisions == 0;
+    const palp_contact_settings *s = &own;
     bool weighs = dot3(s->gravity_m_s2, s->gravity_m_s2) > 0.0;
     if (!positive(s->stiffness) || !positive(s->grasp_stiffness) || !positive(s->smoothing) ||
         s->subdivisions > MOST_SUBDIVISIONS || !finite3(s->gravity_m_s2) || (weighs && !net->mass))

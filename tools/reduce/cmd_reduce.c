@@ -149,6 +149,7 @@ static palp_status make_network(const reduction *r, palp_network **net, palp_err
     palp_support supports[2];
     palp_supports_default(supports);
     settings.tolerance = 1e-7;
+    contact.local = false; /* a reduced network touches whole triangles */
     settings.density_kg_m3 = r->model.density_kg_m3;
     settings.volume_modulus_Pa = r->model.volume_modulus_Pa;
     settings.poisson_ratio = r->model.poisson_ratio;

@@ -149,11 +149,16 @@ static felt slide(const palp_contact_settings *touch, double radius, double pres
 START_TEST(a_sphere_feels_little_of_the_mesh) {
     for (int across = 0; across < 2; across++) {
         palp_contact_settings touch = palp_contact_settings_default();
+        felt points = slide(&touch, 0.005, 0.0015, across);
+        touch.local = false;
         felt triangles = slide(&touch, 0.005, 0.0015, across);
         touch.subdivisions = 2;
         felt smooth = slide(&touch, 0.005, 0.0015, across);
         ck_assert_double_gt(triangles.normal, 0.05);
         ck_assert_double_gt(triangles.lateral, 0.05);
+        ck_assert_msg(points.normal < 0.1 && points.lateral < 0.1, "ripple %g, lateral %g", points.normal,
+                      points.lateral);
+        ck_assert(points.normal < triangles.normal && points.lateral < triangles.lateral);
         ck_assert_msg(smooth.normal < 0.012 && smooth.lateral < 0.015, "ripple %g, lateral %g", smooth.normal,
                       smooth.lateral);
         felt large = slide(&touch, 0.01, 0.0015, across);

@@ -279,8 +279,9 @@ START_TEST(far_in_one_step) {
             }
             palp_network_free(net);
         }
-        ck_assert_double_gt(force[1], 0.5);
-        ck_assert_double_eq_tol(force[0], force[1], 1e-6 * force[1]);
+        ck_assert_double_gt(force[1], 0.4);
+        /* which points touch beside a triangle is found once in a step */
+        ck_assert_double_eq_tol(force[0], force[1], 3e-4 * force[1]);
     }
 }
 END_TEST

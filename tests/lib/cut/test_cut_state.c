@@ -216,6 +216,36 @@ START_TEST(a_held_part_is_not_loose) {
 }
 END_TEST
 
+/* Force of a rough sphere on a block with a slit beside it, of which a part is opened at the surface: cut
+ * before the sphere came or while it pressed. */
+static double force_beside_slit(bool before) {
+    palp_material m = quartic(2);
+    palp_network *net = cuttable(5, &m);
+    const palp_contact_settings contact = palp_contact_settings_default();
+    palp_tool_force felt;
+    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = 0.005, .friction = 0.3};
+    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &contact), PALP_OK);
+    for (int k = 0; k <= 20; k++) {
+        if (k == (before ? 0 : 15))
+            cut_rectangle(net, (double[]){0.39 * HEIGHT, 0.6 * HEIGHT, -1.0}, (double[]){0, 1.0, 0},
+                          (double[]){0, 0, 2.0});
+        memcpy(tool.position_m, (double[]){0.6 * HEIGHT, HEIGHT + 0.005 - 1e-4 * fmin(k, 15), 0.55 * HEIGHT},
+               sizeof tool.position_m);
+        ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+        step_to(net, 0.0, k < 16 ? 0.1 : INFINITY);
+    }
+    ck_assert_int_eq(palp_network_tool_force(net, &felt), PALP_OK);
+    palp_network_free(net);
+    return felt.force_N[1];
+}
+
+START_TEST(a_tool_feels_the_same_cut) {
+    const double before = force_beside_slit(true), after = force_beside_slit(false);
+    ck_assert_double_gt(before, 0.05);
+    ck_assert_double_eq_tol(after, before, 0.01 * before); /* friction remembers the way */
+}
+END_TEST
+
 /* A sphere pushes a loose part aside; it stays where it was left. */
 START_TEST(a_tool_moves_a_loose_part) {
     palp_material m = quartic(0);
@@ -368,6 +398,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, restore_brings_the_cuts_back);
     tcase_add_loop_test(tc, held_along_one_axis_is_not_loose, 0, 4);
     tcase_add_test(tc, a_held_part_is_not_loose);
+    tcase_add_test(tc, a_tool_feels_the_same_cut);
     tcase_add_test(tc, a_tool_moves_a_loose_part);
     tcase_add_test(tc, cuts_within_a_budget);
     tcase_add_loop_test(tc, the_surface_follows_the_cuts, 0, 5);

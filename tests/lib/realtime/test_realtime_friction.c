@@ -46,17 +46,18 @@ START_TEST(more_corrections_help) {
 }
 END_TEST
 
-/* On a subdivided surface the estimate holds as well, and one correction leaves less than half of what it
- * does on triangles. */
+/* On a subdivided surface and local points the estimate holds as well, and one correction leaves less than
+ * half of what it does on whole triangles. */
 START_TEST(smooth_surface) {
     enum { N = 600 };
     static double truth[N][3];
     const size_t corrections[] = {1, 2, 6};
     const rough_way way = {.friction = 0.3};
     palp_contact_settings touch = palp_contact_settings_default();
-    double first[2] = {0.0};
-    for (int smooth = 0; smooth < 2; smooth++) {
-        touch.subdivisions = smooth ? 2 : 0;
+    double first[3] = {0.0};
+    for (int kind = 0; kind < 3; kind++) {
+        touch.subdivisions = kind == 1 ? 2 : 0;
+        touch.local = kind == 2;
         palp_realtime *rt = cube_touched(5, 2, &touch);
         rough_truth(rt, trembling, &way, N, truth);
         drop(rt);
@@ -64,11 +65,12 @@ START_TEST(smooth_surface) {
             rt = cube_touched(5, 2, &touch);
             rough_error e = rough_run(rt, trembling, &way, N, corrections[b], truth, 1e-6);
             ck_assert_uint_eq(e.beyond, 0);
-            first[smooth] = b == 0 ? e.mean : first[smooth];
+            first[kind] = b == 0 ? e.mean : first[kind];
             drop(rt);
         }
     }
     ck_assert_double_lt(first[1], 0.5 * first[0]);
+    ck_assert_double_lt(first[2], 0.5 * first[0]);
 }
 END_TEST
 

@@ -115,6 +115,7 @@ END_TEST
 START_TEST(too_fast_for_the_budget) {
     palp_contact_settings stiff = palp_contact_settings_default();
     stiff.stiffness = 200.0;
+    stiff.local = false;
     palp_realtime *net = cube_touched(7, 2, &stiff), *reference = cube_touched(7, 2, &stiff);
     const palp_budget two = {.corrections = 2};
     double error = 0.0, last = 0.0, peak = 0.0;

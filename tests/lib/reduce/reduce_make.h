@@ -11,6 +11,7 @@ static const double RADIUS = 0.008; /* m, of the ball */
 static inline palp_network *block(size_t n, const palp_material *m) {
     palp_network_settings settings = palp_network_settings_default();
     palp_contact_settings touch = palp_contact_settings_default();
+    touch.local = false;
     palp_support supports[2];
     palp_mesh *mesh = cube(n, PALP_NEIGHBOURS_26);
     palp_network *net = NULL;
