@@ -441,6 +441,8 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
             double left = raw[(fit->m - 1) * n + i], taken = 0.0;
             for (size_t a = 0; a < INFER_OWN; a++)
                 left -= own[a] * own_column[a * n + i];
+            for (size_t a = 0; a < fit->k; a++) /* what the runs have of their own goes with this step */
+                left -= p.mean[INFER_HATS + a] * raw[a * n + i];
             for (size_t a = 0; a < INFER_SPECIMEN; a++)
                 left -= specimen[a] * own_column[(INFER_BLOCK + a) * n + i];
             for (size_t a = 0; a < INFER_HATS; a++)
