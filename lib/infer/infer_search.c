@@ -120,6 +120,8 @@ static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_tr
         if (!status && explain_may_recover(&s->data, id))
             status = enter(s, &starts.effect[i], !s->fit.c.renewed, best);
     }
+    for (int i = 0; i < 2 && !status; i++) /* what is an outlier without the effect need not be one with it */
+        status = best[i].raw ? infer_tails_learn(&best[i], &s->data) : PALP_OK;
     t->fit = best[0];
     t->second = best[1];
     return status;
