@@ -369,13 +369,17 @@ static void find_point_of_triangle(search *s, const facet *f, double reach, int 
     contact_set *set = s->set;
     const palp_tool *pose = &set->pose[f->tool];
     const double early = 0.5 * set->settings.smoothing * set->edge, around = pose->radius_m + reach;
-    double point[3] = {0.0};
+    double point[3] = {0.0}, centre[3];
     contact_dip dip;
     for (int i = 0; i < 3; i++)
         along3(point, share[i], s->x + 3 * f->node[i], point);
     const double along = contact_along(pose, point);
+    along3(pose->position_m, along, pose->axis, centre);
+    along3(point, -1.0, centre, dip.away);
+    if (dot3(dip.away, dip.away) > around * around)
+        return;
     contact_dip_at(pose, along, &s->now, point, &dip);
-    if (!(dip.depth + early > -reach) || dot3(dip.away, dip.away) > around * around)
+    if (!(dip.depth + early > -reach))
         return;
     const double factor = triangle_point_factor(set, pose, &s->now, &dip, share);
     if (!(factor > 0.0) || set->n_contacts == set->max_contacts)
@@ -396,12 +400,27 @@ static void find_point_of_triangle(search *s, const facet *f, double reach, int 
         set->n_contacts++;
 }
 
+/* Is all of a tool's axis further than this over a triangle's plane? */
+static bool is_axis_above_plane(const palp_tool *tool, double distance, const contact_plane *plane,
+                                const double corner[3]) {
+    double to[3];
+    along3(tool->position_m, -1.0, corner, to);
+    const double start = dot3(to, plane->outward),
+                 rise = tool->shape == PALP_TOOL_CAPSULE ? tool->length_m * dot3(tool->axis, plane->outward)
+                                                         : 0.0;
+    return fmin(start, start + rise) > distance;
+}
+
 static void find_points_of_triangle(search *s, int32_t tool, const int32_t *node, double reach) {
     const contact_set *set = s->set;
     facet f = {.tool = tool, .node = node, .spacing = spacing_of_triangle(set, node)};
     f.parts = (int)fmin(fmax(ceil(FINE * set->edge / set->pose[tool].radius_m), FEWEST), MOST);
     f.stiffness = stiffness_of_triangle(set, node) / (set->settings.stiffness * f.parts * f.parts);
     contact_plane_at(node, s->x, &s->now);
+    if (is_axis_above_plane(&set->pose[tool],
+                            set->pose[tool].radius_m + reach + set->edge * set->settings.smoothing, &s->now,
+                            s->x + 3 * node[0]))
+        return;
     find_records_of_triangle(s, tool, node);
     for (int part = 0, row = 0; row < f.parts; row++)
         for (int k = 0; k < 2 * (f.parts - row) - 1; k++, part++) {
