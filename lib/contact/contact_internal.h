@@ -203,8 +203,11 @@ void contact_measure(const palp_tool *tool, contact *c, const double *x);
 /* Position on a capsule's axis nearest to a point, m; 0 for other tools. */
 double contact_along(const palp_tool *tool, const double point[3]);
 
-/* Force and tangent at x. plane: of the fixed point before, or of none; becomes this one's. */
-void contact_evaluate(const contact_set *set, contact *c, const double *x, contact_plane *plane);
+/* Force and tangent at x. */
+void contact_evaluate(const contact_set *set, contact *c, const double *x);
+
+/* The same; plane: of the fixed point before, or of none; becomes this one's. */
+void contact_evaluate_next(const contact_set *set, contact *c, const double *x, contact_plane *plane);
 
 /* out += -d force / d x times u, both [3 n_nodes]: the symmetric part; and all of it. */
 typedef void contact_product(const contact *c, const double *u, double *out);

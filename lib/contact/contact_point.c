@@ -253,7 +253,7 @@ static void evaluate_friction_force(contact *c, double coefficient, double slope
     add_longitudinal_block(-share * stiffness, turn, c->friction_tangent);
 }
 
-void contact_evaluate(const contact_set *set, contact *c, const double *x, contact_plane *plane) {
+void contact_evaluate_next(const contact_set *set, contact *c, const double *x, contact_plane *plane) {
     const palp_tool *tool = &set->pose[c->tool];
     if (c->fixed)
         contact_face_measure(tool, c, x, plane);
@@ -271,6 +271,11 @@ void contact_evaluate(const contact_set *set, contact *c, const double *x, conta
         evaluate_normal_force(tool, c, slope);
     if (tool->friction > 0.0)
         evaluate_friction_force(c, tool->friction, slope, x);
+}
+
+void contact_evaluate(const contact_set *set, contact *c, const double *x) {
+    contact_plane none = {.node = {-1, -1, -1}};
+    contact_evaluate_next(set, c, x, &none);
 }
 
 static void multiply_symmetric_block(const double k[6], const double *p, double out[3]) {
