@@ -6,7 +6,7 @@
 static const double REACH = 0.5;  /* of an edge: so near, a point may come to touch in a step */
 static const double BEND = 0.25;  /* of a tool's radius: so far its contacts keep their directions, within
                                      a cosine of BEND */
-enum { FEWEST = 4, MOST = 12 };   /* parts of a triangle's edge, for fixed points */
+enum { FEWEST = 3, MOST = 12 };   /* parts of a triangle's edge, for fixed points */
 static const double FINE = 2.5;   /* of them on the way of a tool's radius, at least */
 static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that the nearest point is one also
                                      where a capsule lies flat on it */
