@@ -6,46 +6,67 @@
 
 static const double ROUND = 0.8; /* of a sphere's radius: further from its middle it counts as a paraboloid */
 
-/* Outward unit normal of the triangle, and gradients of its shares. */
-static void measure_triangle(const double *const corner[3], struct contact_face *f) {
+void contact_plane_at(const int32_t node[3], const double *x, contact_plane *plane) {
+    if (memcmp(plane->node, node, sizeof plane->node) == 0)
+        return;
+    const double *corner[3] = {x + 3 * node[0], x + 3 * node[1], x + 3 * node[2]};
     double ab[3], ac[3];
+    memcpy(plane->node, node, sizeof plane->node);
     along3(corner[1], -1.0, corner[0], ab);
     along3(corner[2], -1.0, corner[0], ac);
-    cross3(ab, ac, f->outward);
-    const double area = sqrt(dot3(f->outward, f->outward));
+    cross3(ab, ac, plane->outward);
+    const double area = sqrt(dot3(plane->outward, plane->outward));
     for (int k = 0; k < 3; k++)
-        f->outward[k] /= area;
+        plane->outward[k] /= area;
     for (int i = 0; i < 3; i++) {
         double opposite[3];
         along3(corner[(i + 2) % 3], -1.0, corner[(i + 1) % 3], opposite);
-        cross3(f->outward, opposite, f->gradient[i]);
+        cross3(plane->outward, opposite, plane->gradient[i]);
         for (int k = 0; k < 3; k++)
-            f->gradient[i][k] /= area;
+            plane->gradient[i][k] /= area;
     }
 }
 
 /* The depth is along the normal n of the triangle: u = g(q) - z, z the height of the sphere's centre over the
  * plane, v from the centre to the point, q = v v - z^2 the square of its way aside, g = sqrt(r^2 - q). With
  * the shares s of the point and t of the centre's foot, d u / d x_i = 2 g' s_i v + (1 + 2 g' z) t_i n. */
-void contact_face_measure(const palp_tool *tool, contact *c, const double *x) {
-    contact_point(c, c->share, x, c->point);
-    struct contact_face *f = &c->face;
-    const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
+void contact_dip_at(const palp_tool *tool, double along, const contact_plane *plane, const double point[3],
+                    contact_dip *dip) {
     double centre[3];
-    along3(tool->position_m, c->along, tool->axis, centre);
-    along3(c->point, -1.0, centre, f->away);
-    measure_triangle(corner, f);
-    const double z = c->distance = -dot3(f->away, f->outward), q = dot3(f->away, f->away) - z * z,
+    along3(tool->position_m, along, tool->axis, centre);
+    along3(point, -1.0, centre, dip->away);
+    const double z = -dot3(dip->away, plane->outward), q = dot3(dip->away, dip->away) - z * z,
                  square = tool->radius_m * tool->radius_m, flat = fmin(q, ROUND * ROUND * square),
                  height = sqrt(square - flat);
-    f->across = -1.0 / height;
-    f->along = 1.0 + f->across * z;
-    f->bend = q > flat ? 0.0 : -0.25 / (height * height * height);
-    c->depth = height + 0.5 * f->across * (q - flat) - z + c->early;
+    dip->height = z;
+    dip->across = -1.0 / height;
+    dip->along = 1.0 + dip->across * z;
+    dip->bend = q > flat ? 0.0 : -0.25 / (height * height * height);
+    dip->depth = height + 0.5 * dip->across * (q - flat) - z;
+}
+
+double contact_foot(const contact_plane *plane, const contact_dip *dip, int i, double share) {
+    return share - dot3(dip->away, plane->gradient[i]);
+}
+
+void contact_face_measure(const palp_tool *tool, contact *c, const double *x, contact_plane *plane) {
+    struct contact_face *f = &c->face;
+    double point[3];
+    contact_dip dip;
+    contact_point(c, c->share, x, point);
+    contact_plane_at(c->node, x, plane);
+    contact_dip_at(tool, c->along, plane, point, &dip);
+    c->distance = dip.height;
+    c->depth = dip.depth + c->early;
+    if (!(c->depth > 0.0))
+        return;
+    memcpy(c->point, point, sizeof point);
+    f->plane = *plane;
+    f->dip = dip;
     for (int i = 0; i < 3; i++)
-        f->foot[i] = c->share[i] - dot3(f->away, f->gradient[i]);
+        f->foot[i] = contact_foot(plane, &dip, i, c->share[i]);
     for (int k = 0; k < 3; k++)
-        c->normal[k] = -f->across * f->away[k] - f->along * f->outward[k];
+        c->normal[k] = -dip.across * dip.away[k] - dip.along * plane->outward[k];
     f->size = sqrt(dot3(c->normal, c->normal));
     for (int k = 0; k < 3; k++)
         c->normal[k] /= f->size;
@@ -60,9 +81,14 @@ static double law_integral(const contact_law *law, int integrals, double u) {
     if (!(u > 0.0))
         return 0.0;
     const double root = sqrt(u), beyond = fmax(u - law->limit, 0.0);
-    const double sum = ROOT[integrals] * law->root * root + LINEAR[integrals] * law->linear * u +
-                       STEEPER[integrals] * law->steep * u * root;
-    return pow(u, integrals) * sum + LINEAR[integrals] * law->hard * pow(beyond, integrals + 1);
+    double sum = ROOT[integrals] * law->root * root + LINEAR[integrals] * law->linear * u +
+                 STEEPER[integrals] * law->steep * u * root,
+           hard = LINEAR[integrals] * law->hard * beyond;
+    for (int i = 0; i < integrals; i++) {
+        sum *= u;
+        hard *= beyond;
+    }
+    return sum + hard;
 }
 
 /* The law's mean over the depths within smoothing: its slope (0 integrals), force (1) or energy (2). */
@@ -86,8 +112,10 @@ void contact_face_slopes(contact *c, double slope) {
     f->slope = slope;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
-            f->deepening[i][k] = f->across * c->share[i] * f->away[k] + f->along * f->foot[i] * f->outward[k];
-            f->widening[i][k] = 2.0 * (c->share[i] * f->away[k] + c->distance * f->foot[i] * f->outward[k]);
+            f->deepening[i][k] = f->dip.across * c->share[i] * f->dip.away[k] +
+                                 f->dip.along * f->foot[i] * f->plane.outward[k];
+            f->widening[i][k] =
+                2.0 * (c->share[i] * f->dip.away[k] + c->distance * f->foot[i] * f->plane.outward[k]);
         }
 }
 
@@ -100,10 +128,11 @@ void contact_face_push(const contact *c, int i, double force[3]) {
  * and d(t_a n) / d x_b = z (g_a g_b) n n' - t_b n g_a' - t_a g_b n', g the gradients of the shares. */
 void contact_face_block(const contact *c, int a, int b, double k[9]) {
     const struct contact_face *f = &c->face;
-    const double *n = f->outward, *ga = f->gradient[a], *gb = f->gradient[b], p = c->pressure,
-                 ta = p * f->along * f->foot[a], tb = p * f->along * f->foot[b], bend = p * f->bend,
-                 same = p * f->across * c->share[a] * c->share[b],
-                 normal = p * (f->along * c->distance * dot3(ga, gb) - f->across * f->foot[a] * f->foot[b]);
+    const double *n = f->plane.outward, *ga = f->plane.gradient[a], *gb = f->plane.gradient[b],
+                 p = c->pressure, ta = p * f->dip.along * f->foot[a], tb = p * f->dip.along * f->foot[b],
+                 bend = p * f->dip.bend, same = p * f->dip.across * c->share[a] * c->share[b],
+                 normal = p * (f->dip.along * c->distance * dot3(ga, gb) -
+                               f->dip.across * f->foot[a] * f->foot[b]);
     for (int row = 0, i = 0; row < 3; row++) {
         const double u = f->slope * f->deepening[a][row], q = bend * f->widening[a][row], g = ta * gb[row];
         k[4 * row] += same;
@@ -116,7 +145,7 @@ void contact_face_block(const contact *c, int a, int b, double k[9]) {
 /* The same, of all corners at once. */
 void contact_face_times(const contact *c, const double *u, double *out) {
     const struct contact_face *f = &c->face;
-    const double *n = f->outward, p = c->pressure;
+    const double *n = f->plane.outward, p = c->pressure;
     double deeper = 0.0, wider = 0.0, foot[3] = {0.0}, at_point[3], turn[3] = {0.0};
     contact_point(c, c->share, u, at_point);
     for (int b = 0; b < 3; b++) {
@@ -124,18 +153,18 @@ void contact_face_times(const contact *c, const double *u, double *out) {
         deeper += dot3(f->deepening[b], ub);
         wider += dot3(f->widening[b], ub);
         along3(foot, f->foot[b], ub, foot);
-        along3(turn, dot3(n, ub), f->gradient[b], turn);
+        along3(turn, dot3(n, ub), f->plane.gradient[b], turn);
     }
     for (int a = 0; a < 3; a++) {
         double *o = out + 3 * c->node[a];
-        const double normal =
-            f->along * (c->distance * dot3(f->gradient[a], turn) - dot3(f->gradient[a], foot)) -
-            f->across * f->foot[a] * dot3(n, foot);
+        const double normal = f->dip.along * (c->distance * dot3(f->plane.gradient[a], turn) -
+                                              dot3(f->plane.gradient[a], foot)) -
+                              f->dip.across * f->foot[a] * dot3(n, foot);
         along3(o, f->slope * deeper, f->deepening[a], o);
-        along3(o, p * f->bend * wider, f->widening[a], o);
-        along3(o, p * f->across * c->share[a], at_point, o);
+        along3(o, p * f->dip.bend * wider, f->widening[a], o);
+        along3(o, p * f->dip.across * c->share[a], at_point, o);
         along3(o, p * normal, n, o);
-        along3(o, -p * f->along * f->foot[a], turn, o);
+        along3(o, -p * f->dip.along * f->foot[a], turn, o);
     }
 }
 

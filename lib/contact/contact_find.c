@@ -6,7 +6,7 @@
 static const double REACH = 0.5;  /* of an edge: so near, a point may come to touch in a step */
 static const double BEND = 0.25;  /* of a tool's radius: so far its contacts keep their directions, within
                                      a cosine of BEND */
-enum { FEWEST = 4, MOST = 12 };   /* parts of a triangle's edge, for fixed points */
+enum { FEWEST = 3, MOST = 12 };   /* parts of a triangle's edge, for fixed points */
 static const double FINE = 2.5;   /* of them on the way of a tool's radius, at least */
 static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that the nearest point is one also
                                      where a capsule lies flat on it */
@@ -117,18 +117,55 @@ static double triangle_facing_factor(const palp_tool *tool, const double *const 
     return fade_by_surface_normal(tool, normal, c);
 }
 
-/* The committed state's record of a contact, or NULL. Records are mostly in the order of contacts. */
-static const contact_touch *find_remembered_touch(const contact_set *set, const contact *c, size_t *cursor) {
-    const contact_touch *touch = set->now.touch;
-    size_t n = set->now.n_touches;
+/* A search around the tools. */
+typedef struct search {
+    contact_set *set;
+    const double *committed, *x; /* positions of the nodes */
+    size_t cursor;               /* in the committed records of contact */
+    size_t first, last;          /* records of the triangle whose fixed points are in turn */
+    contact_plane before, now;   /* of that triangle at committed and at x */
+} search;
+
+static bool is_record_of(const contact_touch *touch, int32_t tool, const int32_t node[3]) {
+    return touch->tool == tool && memcmp(touch->node, node, sizeof touch->node) == 0;
+}
+
+/* The first record of a tool on these nodes, or their number. Records are mostly in the order of contacts. */
+static size_t find_first_record(search *s, int32_t tool, const int32_t node[3]) {
+    const contact_state *now = &s->set->now;
+    const size_t n = now->n_touches;
     for (size_t i = 0; i < n; i++) {
-        size_t at = *cursor + i < n ? *cursor + i : *cursor + i - n;
-        if (touch[at].tool == c->tool && touch[at].part == c->part &&
-            memcmp(touch[at].node, c->node, sizeof c->node) == 0) {
-            *cursor = at + 1 < n ? at + 1 : 0;
-            return &touch[at];
+        size_t at = s->cursor + i < n ? s->cursor + i : s->cursor + i - n;
+        if (is_record_of(&now->touch[at], tool, node)) {
+            s->cursor = at + 1 < n ? at + 1 : 0;
+            return at;
         }
     }
+    return n;
+}
+
+/* Sets first and last. The records of a triangle follow each other. */
+static void find_records_of_triangle(search *s, int32_t tool, const int32_t node[3]) {
+    const contact_state *now = &s->set->now;
+    s->cursor = s->cursor < now->n_touches ? s->cursor : 0;
+    s->first = s->last = find_first_record(s, tool, node);
+    while (s->first > 0 && s->first < now->n_touches && is_record_of(&now->touch[s->first - 1], tool, node))
+        s->first--;
+    while (s->last < now->n_touches && is_record_of(&now->touch[s->last], tool, node))
+        s->last++;
+    s->cursor = s->last;
+}
+
+/* The committed state's record of a contact, or NULL. */
+static const contact_touch *find_remembered_touch(search *s, const contact *c) {
+    const contact_state *now = &s->set->now;
+    if (!c->fixed) {
+        const size_t at = find_first_record(s, c->tool, c->node);
+        return at < now->n_touches ? &now->touch[at] : NULL;
+    }
+    for (size_t at = s->first; at < s->last; at++)
+        if (now->touch[at].part == c->part)
+            return &now->touch[at];
     return NULL;
 }
 
@@ -151,28 +188,49 @@ static void displacement_of_tool_point(const palp_tool *was, const palp_tool *is
         moved[k] += once[k] + twice[k] / (1.0 + cosine);
 }
 
+/* Depth of a contact in the committed state, if the tool has this pose, and the distance there. */
+static double depth_before_step(search *s, const contact *c, const palp_tool *pose, const double place[3],
+                                double *distance) {
+    if (c->fixed) {
+        contact_dip dip;
+        contact_plane_at(c->node, s->committed, &s->before);
+        contact_dip_at(pose, c->along, &s->before, place, &dip);
+        *distance = dip.height;
+        return dip.depth + c->early;
+    }
+    contact there = *c;
+    contact_measure(pose, &there, s->committed);
+    *distance = there.distance;
+    return there.depth;
+}
+
+static void continue_touch(const contact_set *set, contact *c, const contact_touch *touch) {
+    c->touched = true;
+    c->memory = (int32_t)(touch - set->now.touch);
+    for (size_t j = 0; j < set->relaxation.n_arms && contact_relaxes(set, c); j++)
+        c->past += set->relaxation.keep[j] * touch->arm[j] - set->relaxation.gain[j] * touch->elastic;
+    c->doubt = touch->doubt;
+    memcpy(c->was, touch->stretch, sizeof c->was);
+    along3(c->anchor, -1.0, touch->stretch, c->anchor);
+}
+
 /* Sets where friction's spring starts, and the share of the step since contact began. False for a tool that
  * came from below the surface. */
-static bool place_friction_anchor(const contact_set *set, const double *committed, contact *c,
-                                  size_t *cursor) {
+static bool place_friction_anchor(search *s, contact *c) {
+    const contact_set *set = s->set;
     const palp_tool *pose = &set->pose[c->tool], *was = &set->now.pose[c->tool];
     bool known = (size_t)c->tool < set->now.n_tools && was->shape == pose->shape;
-    const contact_touch *touch = known ? find_remembered_touch(set, c, cursor) : NULL;
-    double place[3], moved[3] = {0.0};
+    const contact_touch *touch = known ? find_remembered_touch(s, c) : NULL;
+    double place[3], moved[3] = {0.0}, distance, unused;
     memcpy(c->stick_share, c->share, sizeof c->stick_share);
-    contact_point(c, c->stick_share, committed, place);
+    contact_point(c, c->stick_share, s->committed, place);
     if (known)
         displacement_of_tool_point(was, pose, place, moved);
     along3(place, 1.0, moved, c->anchor);
     c->entry = 1.0;
-    c->touched = touch != NULL;
-    c->memory = touch ? (int32_t)(touch - set->now.touch) : -1;
+    c->memory = -1;
     if (touch) {
-        for (size_t j = 0; j < set->relaxation.n_arms && contact_relaxes(set, c); j++)
-            c->past += set->relaxation.keep[j] * touch->arm[j] - set->relaxation.gain[j] * touch->elastic;
-        c->doubt = touch->doubt;
-        memcpy(c->was, touch->stretch, sizeof c->was);
-        along3(c->anchor, -1.0, touch->stretch, c->anchor);
+        continue_touch(set, c, touch);
         return true;
     }
     if (!known) {
@@ -183,24 +241,17 @@ static bool place_friction_anchor(const contact_set *set, const double *committe
         c->stiffness *= set->share;
         return !(c->distance < 0.0);
     }
-    contact before = *c, after = *c;
-    contact_measure(was, &before, committed);
-    contact_measure(pose, &after, committed);
-    if (before.depth < 0.0)
-        c->entry = after.depth > 0.0 ? after.depth / (after.depth - before.depth) : 0.0;
-    return !(before.distance < 0.0);
+    const double before = depth_before_step(s, c, was, place, &distance);
+    if (before < 0.0) {
+        const double after = depth_before_step(s, c, pose, place, &unused);
+        c->entry = after > 0.0 ? after / (after - before) : 0.0;
+    }
+    return !(distance < 0.0);
 }
-
-/* A search around the tools. */
-typedef struct search {
-    contact_set *set;
-    const double *committed, *x; /* positions of the nodes */
-    size_t cursor;               /* in the committed records of contact */
-} search;
 
 static void add_contact_to_set(search *s, contact *c) {
     contact_set *set = s->set;
-    if (set->n_contacts < set->max_contacts && place_friction_anchor(set, s->committed, c, &s->cursor))
+    if (set->n_contacts < set->max_contacts && place_friction_anchor(s, c))
         set->contact[set->n_contacts++] = *c;
 }
 
@@ -289,46 +340,93 @@ static double spacing_of_triangle(const contact_set *set, const int32_t *node) {
     along3(set->rest + 3 * node[1], -1.0, set->rest + 3 * node[0], ab);
     along3(set->rest + 3 * node[2], -1.0, set->rest + 3 * node[0], ac);
     cross3(ab, ac, normal);
-    return pow(dot3(normal, normal), 0.25);
+    return sqrt(sqrt(dot3(normal, normal)));
 }
 
-/* Factor of a triangle's point: 1 where the tool's centre is above the triangle, to half an edge through it;
- * beside the triangle it falls to 0 where the centre comes down to the plane, in which the tool is at its
- * side. */
-static double triangle_point_factor(const contact_set *set, const palp_tool *tool, const contact *c) {
-    const double *foot = c->face.foot, height = c->distance / (BEND * tool->radius_m);
-    if (fmin(foot[0], fmin(foot[1], foot[2])) > 0.0)
-        return c->distance > -0.5 * set->edge ? 1.0 : 0.0;
+/* Factor of a triangle's point with these shares: 1 where the tool's centre is above the triangle, to half an
+ * edge through it; beside the triangle it falls to 0 where the centre comes down to the plane, in which the
+ * tool is at its side. */
+static double triangle_point_factor(const contact_set *set, const palp_tool *tool, const contact_plane *plane,
+                                    const contact_dip *dip, const double share[3]) {
+    bool above = true;
+    for (int i = 0; i < 3; i++)
+        above = above && contact_foot(plane, dip, i, share[i]) > 0.0;
+    if (above)
+        return dip->height > -0.5 * set->edge ? 1.0 : 0.0;
+    const double height = dip->height / (BEND * tool->radius_m);
     return height >= 1.0 ? 1.0 : height > 0.0 ? height * height * (3.0 - 2.0 * height) : 0.0;
 }
 
-/* Contacts in the middles of parts * parts equal parts of a triangle. */
+/* A triangle in whose fixed points a tool may touch it: in the middles of parts * parts equal parts. */
+typedef struct facet {
+    int32_t tool;
+    const int32_t *node;
+    int parts;
+    double spacing, stiffness; /* stiffness: of a part, N/m */
+} facet;
+
+static void find_point_of_triangle(search *s, const facet *f, double reach, int part, const double share[3]) {
+    contact_set *set = s->set;
+    const palp_tool *pose = &set->pose[f->tool];
+    const double early = 0.5 * set->settings.smoothing * set->edge, around = pose->radius_m + reach;
+    double point[3] = {0.0}, centre[3];
+    contact_dip dip;
+    for (int i = 0; i < 3; i++)
+        along3(point, share[i], s->x + 3 * f->node[i], point);
+    const double along = contact_along(pose, point);
+    along3(pose->position_m, along, pose->axis, centre);
+    along3(point, -1.0, centre, dip.away);
+    if (dot3(dip.away, dip.away) > around * around)
+        return;
+    contact_dip_at(pose, along, &s->now, point, &dip);
+    if (!(dip.depth + early > -reach))
+        return;
+    const double factor = triangle_point_factor(set, pose, &s->now, &dip, share);
+    if (!(factor > 0.0) || set->n_contacts == set->max_contacts)
+        return;
+    contact *c = &set->contact[set->n_contacts];
+    *c = (contact){.tool = f->tool,
+                   .node = {f->node[0], f->node[1], f->node[2]},
+                   .corners = 3,
+                   .part = part,
+                   .fixed = true,
+                   .share = {share[0], share[1], share[2]},
+                   .early = early,
+                   .along = along,
+                   .depth = dip.depth + early,
+                   .distance = dip.height};
+    contact_face_law(set, pose, factor * f->stiffness, f->spacing, c);
+    if (place_friction_anchor(s, c))
+        set->n_contacts++;
+}
+
+/* Is all of a tool's axis further than this over a triangle's plane? */
+static bool is_axis_above_plane(const palp_tool *tool, double distance, const contact_plane *plane,
+                                const double corner[3]) {
+    double to[3];
+    along3(tool->position_m, -1.0, corner, to);
+    const double start = dot3(to, plane->outward),
+                 rise = tool->shape == PALP_TOOL_CAPSULE ? tool->length_m * dot3(tool->axis, plane->outward)
+                                                         : 0.0;
+    return fmin(start, start + rise) > distance;
+}
+
 static void find_points_of_triangle(search *s, int32_t tool, const int32_t *node, double reach) {
     const contact_set *set = s->set;
-    const palp_tool *pose = &set->pose[tool];
-    const int parts = (int)fmin(fmax(ceil(FINE * set->edge / pose->radius_m), FEWEST), MOST);
-    const double spacing = spacing_of_triangle(set, node),
-                 stiffness = stiffness_of_triangle(set, node) / (set->settings.stiffness * parts * parts);
-    for (int part = 0, row = 0; row < parts; row++)
-        for (int k = 0; k < 2 * (parts - row) - 1; k++, part++) {
-            const double third = (1 + (k & 1)) / 3.0, a = (row + third) / parts, b = (k / 2 + third) / parts;
-            contact c = {.tool = tool,
-                         .node = {node[0], node[1], node[2]},
-                         .corners = 3,
-                         .part = part,
-                         .fixed = true,
-                         .share = {1.0 - a - b, a, b},
-                         .early = 0.5 * set->settings.smoothing * set->edge};
-            contact_point(&c, c.share, s->x, c.point);
-            c.along = contact_along(pose, c.point);
-            if (contact_distance(pose, c.point) > pose->radius_m + reach)
-                continue;
-            contact_measure(pose, &c, s->x);
-            const double own = triangle_point_factor(set, pose, &c) * stiffness;
-            if (!(c.depth > -reach) || !(own > 0.0))
-                continue;
-            contact_face_law(set, pose, own, spacing, &c);
-            add_contact_to_set(s, &c);
+    facet f = {.tool = tool, .node = node, .spacing = spacing_of_triangle(set, node)};
+    f.parts = (int)fmin(fmax(ceil(FINE * set->edge / set->pose[tool].radius_m), FEWEST), MOST);
+    f.stiffness = stiffness_of_triangle(set, node) / (set->settings.stiffness * f.parts * f.parts);
+    contact_plane_at(node, s->x, &s->now);
+    if (is_axis_above_plane(&set->pose[tool],
+                            set->pose[tool].radius_m + reach + set->edge * set->settings.smoothing, &s->now,
+                            s->x + 3 * node[0]))
+        return;
+    find_records_of_triangle(s, tool, node);
+    for (int part = 0, row = 0; row < f.parts; row++)
+        for (int k = 0; k < 2 * (f.parts - row) - 1; k++, part++) {
+            const double third = (1 + (k & 1)) / 3.0, a = (row + third) / f.parts,
+                         b = (k / 2 + third) / f.parts;
+            find_point_of_triangle(s, &f, reach, part, (double[]){1.0 - a - b, a, b});
         }
 }
 
@@ -393,7 +491,8 @@ double contact_stride(const contact_set *set, const palp_tool *tool) {
 }
 
 void contact_find(contact_set *set, const double *committed, const double *x) {
-    search s = {set, committed, x, 0};
+    const contact_plane none = {.node = {-1, -1, -1}};
+    search s = {.set = set, .committed = committed, .x = x, .before = none, .now = none};
     set->n_contacts = 0;
     for (size_t i = 0; i < set->n_tools; i++) {
         double reach = REACH * set->edge + contact_travel(set, &set->pose[i], i);

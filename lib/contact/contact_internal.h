@@ -22,6 +22,18 @@ typedef struct contact_doubt {
     double along, across;
 } contact_doubt;
 
+/* The plane of a triangle: its outward unit normal, and gradients of barycentric coordinates on it, 1/m. */
+typedef struct contact_plane {
+    int32_t node[3]; /* {-1, ...}: of none */
+    double outward[3], gradient[3][3];
+} contact_plane;
+
+/* Where a point of a triangle is in a sphere: away from its centre, which is height over the plane. u is the
+ * depth along the normal, q the square of the way aside; d u = 2 across v dv - along dz (contact_face.c). */
+typedef struct contact_dip {
+    double away[3], height, depth, across, along, bend;
+} contact_dip;
+
 /* A point of the surface near a tool: a node, or the point of a triangle that is nearest to the tool. */
 typedef struct contact {
     int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1, share = {1, 0, 0} */
@@ -51,9 +63,10 @@ typedef struct contact {
     double point[3];
     double normal[3];         /* unit vector from the tool into the tissue */
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
-    struct contact_face {     /* of a triangle's contact, see contact_point.c */
-        double outward[3], away[3], foot[3], gradient[3][3];
-        double across, along, bend, slope, size;
+    struct contact_face {     /* of a fixed point in a tool, see contact_face.c */
+        contact_plane plane;
+        contact_dip dip;
+        double foot[3], slope, size;            /* foot: shares of the centre's foot */
         double deepening[3][3], widening[3][3]; /* d u / d x_i and d q / d x_i */
     } face;
     double stretch[3];  /* of friction's spring, m */
@@ -193,6 +206,9 @@ double contact_along(const palp_tool *tool, const double point[3]);
 /* Force and tangent at x. */
 void contact_evaluate(const contact_set *set, contact *c, const double *x);
 
+/* The same; plane: of the fixed point before, or of none; becomes this one's. */
+void contact_evaluate_next(const contact_set *set, contact *c, const double *x, contact_plane *plane);
+
 /* out += -d force / d x times u, both [3 n_nodes]: the symmetric part; and all of it. */
 typedef void contact_product(const contact *c, const double *u, double *out);
 contact_product contact_times, contact_whole_times;
@@ -214,9 +230,20 @@ void contact_nearest(const double *const corner[3], const double p[3], double sh
 
 /* ---- contact_face.c: fixed points of triangles ---- */
 
-/* As contact_measure, contact_energy and contact_block; the energy is that of the elastic pressure, forces
- * and the tangent are without friction, k is added to. */
-void contact_face_measure(const palp_tool *tool, contact *c, const double *x);
+/* The plane of these nodes at x, unless it is theirs already. */
+void contact_plane_at(const int32_t node[3], const double *x, contact_plane *plane);
+
+/* Where a point of that plane is in the sphere at a position on the tool's axis. */
+void contact_dip_at(const palp_tool *tool, double along, const contact_plane *plane, const double point[3],
+                    contact_dip *dip);
+
+/* Share of corner i at the foot of the sphere's centre on the plane, if the point has this share. */
+double contact_foot(const contact_plane *plane, const contact_dip *dip, int i, double share);
+
+/* As contact_measure, contact_energy and contact_block; sets no more than the depth and the distance of a
+ * point that is not in the tool. The energy is that of the elastic pressure, forces and the tangent are
+ * without friction, k is added to. */
+void contact_face_measure(const palp_tool *tool, contact *c, const double *x, contact_plane *plane);
 double contact_face_energy(const contact_set *set, const contact *c, double depth);
 void contact_face_block(const contact *c, int a, int b, double k[9]);
 void contact_face_times(const contact *c, const double *u, double *out);

@@ -110,7 +110,8 @@ static bool is_inside_triangle(const contact *c) {
 void contact_measure(const palp_tool *tool, contact *c, const double *x) {
     double centre[3];
     if (c->fixed) {
-        contact_face_measure(tool, c, x);
+        contact_plane plane = {.node = {-1, -1, -1}};
+        contact_face_measure(tool, c, x, &plane);
         return;
     }
     if (c->corners == 1) {
@@ -252,9 +253,12 @@ static void evaluate_friction_force(contact *c, double coefficient, double slope
     add_longitudinal_block(-share * stiffness, turn, c->friction_tangent);
 }
 
-void contact_evaluate(const contact_set *set, contact *c, const double *x) {
+void contact_evaluate_next(const contact_set *set, contact *c, const double *x, contact_plane *plane) {
     const palp_tool *tool = &set->pose[c->tool];
-    contact_measure(tool, c, x);
+    if (c->fixed)
+        contact_face_measure(tool, c, x, plane);
+    else
+        contact_measure(tool, c, x);
     if (c->corners == 3 && c->distance < -0.5 * set->edge)
         c->depth = 0.0; /* a tool that far through the surface has lost it */
     if (!(c->depth > 0.0))
@@ -267,6 +271,11 @@ void contact_evaluate(const contact_set *set, contact *c, const double *x) {
         evaluate_normal_force(tool, c, slope);
     if (tool->friction > 0.0)
         evaluate_friction_force(c, tool->friction, slope, x);
+}
+
+void contact_evaluate(const contact_set *set, contact *c, const double *x) {
+    contact_plane none = {.node = {-1, -1, -1}};
+    contact_evaluate_next(set, c, x, &none);
 }
 
 static void multiply_symmetric_block(const double k[6], const double *p, double out[3]) {

@@ -165,9 +165,10 @@ void contact_set_place(contact_set *set, double share, const double *committed, 
 }
 
 void contact_set_evaluate(contact_set *set, const double *x, double *force, double *squares) {
+    contact_plane plane = {.node = {-1, -1, -1}};
     for (size_t i = 0; i < set->n_contacts; i++) {
         contact *c = &set->contact[i];
-        contact_evaluate(set, c, x);
+        contact_evaluate_next(set, c, x, &plane);
         if (!(c->depth > 0.0))
             continue;
         for (int j = 0; j < c->corners; j++) {

@@ -122,23 +122,47 @@ static bool refresh_contact_points(network_term *term, palp_network *net) {
 
 /* ---- tangent and energy -------------------------------------------------------------------------- */
 
+/* Contacts of a triangle follow each other: sums the blocks of those from i on, by pairs of corners. Returns
+ * their number. */
+static size_t add_blocks_of_triangle(const contact_set *set, size_t i, double sum[6][9], size_t *touching) {
+    const contact *first = &set->contact[i];
+    double k[9];
+    size_t n = 0;
+    memset(sum, 0, 6 * sizeof *sum);
+    *touching = 0;
+    for (; i + n < set->n_contacts; n++) {
+        const contact *c = first + n;
+        if (c->corners != first->corners || memcmp(c->node, first->node, sizeof c->node) != 0)
+            break;
+        if (!(c->depth > 0.0))
+            continue;
+        ++*touching;
+        for (int a = 0, pair = 0; a < c->corners; a++)
+            for (int b = 0; b <= a; b++, pair++) {
+                contact_block(c, a, b, k);
+                for (int e = 0; e < 9; e++)
+                    sum[pair][e] += k[e];
+            }
+    }
+    return n;
+}
+
 static void take_contact_blocks(const network_term *term, const palp_network *net, network_block_taker take,
                                 void *user) {
     const contact_term *t = (const contact_term *)term;
     const contact_set *set = &t->set;
-    double k[9];
+    double sum[6][9];
     (void)net;
     if (t->layer) {
         layer_blocks(t->layer, set, take, user);
         return;
     }
-    for (size_t i = 0; i < set->n_contacts; i++) {
+    for (size_t i = 0, touching; i < set->n_contacts;) {
         const contact *c = &set->contact[i];
-        for (int a = 0; a < c->corners && c->depth > 0.0; a++)
-            for (int b = 0; b <= a; b++) {
-                contact_block(c, a, b, k);
-                take(user, c->node[a], c->node[b], k);
-            }
+        i += add_blocks_of_triangle(set, i, sum, &touching);
+        for (int a = 0, pair = 0; a < c->corners && touching > 0; a++)
+            for (int b = 0; b <= a; b++, pair++)
+                take(user, c->node[a], c->node[b], sum[pair]);
     }
 }
 
@@ -226,15 +250,20 @@ static void move_nodes_with_tools(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     double *moves = net->outer; /* the next evaluation fills it anew */
     const double *x = t->layer ? layer_places(t->layer, net->next.x) : net->next.x;
-    memset(moves, 0, 3 * net->n_nodes * sizeof *moves);
-    memset(t->weight, 0, net->n_nodes * sizeof *t->weight);
+    bool any = false;
     for (size_t tool = 0; tool < t->set.n_tools; tool++) {
-        bool any = has_tool_lost_tissue(&t->set, (int32_t)tool, x);
-        for (size_t i = 0; i < t->set.n_contacts && any; i++)
+        if (!has_tool_lost_tissue(&t->set, (int32_t)tool, x))
+            continue;
+        if (!any) {
+            memset(moves, 0, 3 * net->n_nodes * sizeof *moves);
+            memset(t->weight, 0, net->n_nodes * sizeof *t->weight);
+        }
+        any = true;
+        for (size_t i = 0; i < t->set.n_contacts; i++)
             if (t->set.contact[i].touched && t->set.contact[i].tool == (int32_t)tool)
                 move_corners_with_tool(t, &t->set.contact[i], x, moves);
     }
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+    for (size_t i = 0; i < 3 * net->n_nodes && any; i++)
         if (net->dof[i] >= 0 && t->weight[i / 3] > 0.0)
             net->next.x[i] += moves[i] / t->weight[i / 3];
 }
