@@ -162,8 +162,8 @@ static palp_status find_effects(infer_search *s, palp_explanation *e) {
     return status;
 }
 
-/* s->fit of the model as given. What its effects leave in a specimen may last from run to run or not: the more
- * probable one. */
+/* s->fit of the model as given. What its effects leave in a specimen may last from run to run or not: the
+ * more probable one. */
 static palp_status begin(infer_search *s, const palp_model *model) {
     infer_fit renewed;
     bool may_recover = false;

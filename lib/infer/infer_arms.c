@@ -9,7 +9,8 @@ static double distance_to_given(const infer_search *s, size_t j, double time) {
     return fabs(log(time * given->stiffness_N / given->viscosity_Ns));
 }
 
-/* The given arm that an exchange with this added one brings nearest to what was given; PALP_ARMS_MAX: none. */
+/* The given arm that an exchange with this added one brings nearest to what was given; PALP_ARMS_MAX: none.
+ */
 static size_t arm_to_exchange(const infer_search *s, const palp_effect *added) {
     const palp_material *now = &s->fit.c.model.material;
     size_t best = PALP_ARMS_MAX;
