@@ -255,7 +255,6 @@ palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_inp
         status = explain_data_create(n, inputs, settings, model, &s->data, error);
         if (!status) {
             infer_use_spikes(&s->data);
-            s->data.law_first = true;
             s->residual = malloc(2 * s->data.n * sizeof *s->residual);
             s->discrepancy = s->residual ? s->residual + s->data.n : NULL;
             palp_model framed = *model;
