@@ -429,7 +429,7 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
     double undone[EXPLAIN_COLUMNS];
     palp_status status = infer_posterior_find(fit, data, &p);
     for (size_t a = 0; a < fit->k && !status; a++)
-        undone[a] = infer_undone(&p, a);
+        undone[a] = infer_undone(&p, 0, INFER_HATS, a);
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         const size_t n = data->run[r].n;
         const double *raw = fit->raw + at * fit->m, *own_column = raw + fit->k * n;

@@ -164,8 +164,9 @@ double infer_log_evidence(const infer_fit *fit, const infer_posterior *p);
 palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                       double *mean, double *covariance);
 
-/* Step of the law's coordinate i that follows the posterior's common discrepancy, which that is free of. */
-double infer_undone(const infer_posterior *p, size_t i);
+/* Step of the law's coordinate i that follows the posterior's common hats from .. to - 1, which they are free
+ * of. */
+double infer_undone(const infer_posterior *p, size_t from, size_t to, size_t i);
 
 /* What the specimen of run r has of its own, likewise: mean[INFER_SPECIMEN], covariance[INFER_SPECIMEN
  * INFER_SPECIMEN]. */

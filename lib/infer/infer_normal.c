@@ -376,9 +376,9 @@ palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean,
     return status;
 }
 
-double infer_undone(const infer_posterior *p, size_t i) {
+double infer_undone(const infer_posterior *p, size_t from, size_t to, size_t i) {
     double sum = 0.0;
-    for (size_t h = 0; h < INFER_HATS && p->turn; h++)
+    for (size_t h = from; h < to && p->turn; h++)
         sum += p->turn[h * p->k + i] * p->mean[h];
     return sum;
 }

@@ -203,16 +203,22 @@ static palp_status add_domains(const infer_search *s, const infer_posterior *p, 
                                double square[INFER_DOMAINS]) {
     const infer_fit *fit = &s->fit;
     const size_t n = s->data.run[r].n;
-    const double *hats = fit->raw + at * fit->m + (fit->k + INFER_OWN) * n;
-    double own[INFER_BLOCK];
+    const double *raw = fit->raw + at * fit->m, *hats = raw + (fit->k + INFER_OWN) * n;
+    double own[INFER_BLOCK], undone[EXPLAIN_COLUMNS];
     palp_status status = infer_own(fit, &s->data, p, r, own, NULL);
-    for (size_t d = 0; d < INFER_DOMAINS && !status; d++)
+    for (size_t d = 0; d < INFER_DOMAINS && !status; d++) {
+        const size_t from = d * INFER_NODES, to = from + INFER_NODES;
+        for (size_t a = 0; a < fit->k; a++)
+            undone[a] = infer_undone(p, from, to, a);
         for (size_t i = 0; i < n; i++) {
             double taken = 0.0;
-            for (size_t a = d * INFER_NODES; a < (d + 1) * INFER_NODES; a++)
+            for (size_t a = from; a < to; a++)
                 taken += (own[INFER_OWN + a] + p->mean[a]) * hats[a * n + i];
+            for (size_t a = 0; a < fit->k; a++)
+                taken -= undone[a] * raw[a * n + i];
             square[d] += s->data.run[r].use[i] ? taken * taken : 0.0;
         }
+    }
     return status;
 }
 

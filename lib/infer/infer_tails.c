@@ -80,7 +80,7 @@ static palp_status left_of_run(const infer_fit *fit, const explain_data *data, c
     if (status)
         return status;
     for (size_t a = 0; a < k; a++)
-        most[a] = p->mean[INFER_HATS + a] - infer_undone(p, a);
+        most[a] = p->mean[INFER_HATS + a] - infer_undone(p, 0, INFER_HATS, a);
     for (size_t a = 0; a < INFER_HATS; a++)
         own[INFER_OWN + a] += p->mean[a];
     memcpy(left, column + (fit->m - 1) * n, n * sizeof *left);
