@@ -1,5 +1,5 @@
 /* test_infer_given.c: what the given model has is kept: its arms beside an added one, and its effects, whose
- * traces in the specimen last from run to run or not. */
+ * traces in the specimen last from run to run or not. check: once */
 #include "forward_make.h"
 
 #include <palpate/infer.h>
