@@ -33,7 +33,7 @@ double infer_common_step(size_t n, const double *value, double step) {
 }
 
 /* How the error of a path that goes on by so many steps a sample correlates with that of the sample before:
- * both are the rest of a division, of which one is ahead by the share (Bennett, Bell Syst. Tech. J. 27 (1948)
+ * both are remainders, of which one is ahead by the share (Bennett, Bell Syst. Tech. J. 27 (1948)
  * 446). */
 static double correlation(double steps) {
     const double share = steps - floor(steps);
