@@ -36,8 +36,8 @@ typedef struct palp_infer_choice {
  * files, and known effects; its material is not read. fit, the caller's to free: of mean, arrays over runs
  * are in the order of inputs, and contact_m is from recorded depth 0. Specimens are numbered as they come
  * first among the inputs (specimen.name); with one, fit has the mean alone. n_spread is 1 if they differ: all
- * stiffnesses of one by a factor, and all times. settings: false_alarm, contact, loop, stop. ERR_ARGUMENT: no
- * runs, arms out of range, no_spline without a law; errors of palp_infer. */
+ * stiffnesses of one by a factor, all times, and the law alone. settings: false_alarm, contact, loop, stop.
+ * ERR_ARGUMENT: no runs, arms out of range, no_spline without a law; errors of palp_infer. */
 PALP_API palp_status palp_infer_material(const palp_model *specimen, size_t n,
                                          const palp_explain_input *inputs,
                                          const palp_explain_settings *settings,

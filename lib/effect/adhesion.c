@@ -19,7 +19,7 @@ static void evaluate_adhesive_bond(const double *value, double gap, effect_bond 
     out->by_value[1] = -out->by_gap * x;
 }
 
-/* If plates let go with a jump the force is not fitted, as the last sample before the jump has no derivative.
+/* If plates let go with a jump, and samples about it do not count, the force is that of the jump.
  * It lies between the largest recorded pull and one too large, both with three sds of the noise. */
 static bool read_strongest_pull(const effect_data *data, effect_read *out) {
     double noise = 3.0 * data->white;
@@ -54,6 +54,7 @@ const effect_row effect_adhesion = {
              .in_lumped = true,
              .in_network = true},
     .bond = evaluate_adhesive_bond,
+    .jumps = true,
     .need = EFFECT_NEEDS_WITHDRAWAL,
     .starts = propose_adhesion_starts,
     .read = read_strongest_pull};

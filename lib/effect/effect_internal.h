@@ -176,6 +176,7 @@ typedef struct effect_row {
     palp_status (*starts)(const effect_data *data, effect_starts *out); /* NULL: one start, all values 0 */
     bool (*read)(const effect_data *data,
                  effect_read *out); /* NULL, or computes the first parameter if these runs determine it */
+    bool jumps;                     /* the force jumps where its strength, its first parameter, is reached */
     bool line;       /* a spectral line whose phase differs between runs; at most one effect is */
     double scanned;  /* number of periods or frequencies among which the search takes the best; 0 = only the
                         start */

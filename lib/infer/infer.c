@@ -140,22 +140,42 @@ static palp_status find_base(const infer_search *s, const palp_model *model, pal
     return status;
 }
 
+/* What each gains alone is that of the first step. What the runs tell of it, and whether it is suspected, is
+ * beside what was found: of the last step that could try it. */
+static void keep_candidates(palp_explanation *e) {
+    const palp_explain_step *first = e->step, *last = e->step + e->n_steps - 1;
+    e->n_candidates = first->n_candidates;
+    memcpy(e->candidate, first->candidate, sizeof e->candidate);
+    for (size_t k = 0; k < e->n_candidates; k++) {
+        palp_explain_candidate *out = &e->candidate[k];
+        const palp_explain_step *step = last;
+        while (step > first && !(step->candidate[k].share > 0.0))
+            step--;
+        const palp_explain_candidate *told = &step->candidate[k];
+        if (told->identifiable != out->identifiable)
+            memcpy(out->reason, told->reason, sizeof out->reason);
+        out->share = told->share;
+        out->identifiable = told->identifiable;
+        out->unconfirmed = last->candidate[k].unconfirmed;
+        out->accepted = false;
+    }
+}
+
 static palp_status find_effects(infer_search *s, palp_explanation *e) {
     infer_fit given;
     palp_status status = infer_fit_copy(&s->fit, &s->data, &given);
     if (status)
         return status;
+    s->first = -HUGE_VAL;
     status = infer_search_run(s);
+    if (!status)
+        status = infer_search_anew(s, &given);
     e->stopped = s->stopped;
     e->step = s->step;
     e->n_steps = s->n_steps;
     s->step = NULL;
-    if (e->n_steps > 0) {
-        e->n_candidates = e->step[0].n_candidates;
-        memcpy(e->candidate, e->step[0].candidate, sizeof e->candidate);
-        for (size_t k = 0; k < e->n_candidates; k++)
-            e->candidate[k].accepted = false;
-    }
+    if (e->n_steps > 0)
+        keep_candidates(e);
     if (!status)
         status = confirm(s, &given, e);
     infer_fit_free(&given);
@@ -191,6 +211,8 @@ static palp_status begin(infer_search *s, const palp_model *model) {
 static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {
     palp_status status = begin(s, model);
     if (!status)
+        status = infer_fit_converge(&s->fit, &s->data);
+    if (!status)
         status = copy_runs(s, e);
     if (!status)
         status = infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
@@ -201,6 +223,8 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
         status = find_effects(s, e);
     if (!status)
         status = infer_fit_converge(&s->fit, &s->data);
+    if (!status)
+        status = infer_search_drop(s);
     if (!status)
         status = infer_keep_given_arms(s);
     tell(s, INFER_SEARCH_SHARE - s->told);

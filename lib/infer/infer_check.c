@@ -60,8 +60,9 @@ static palp_status predict_run(const infer_fit *fit, explain_data *data, size_t 
     run->held_out = was;
     if (!status)
         status = left_of_run(fit, data, &without, r, at, squares);
-    *score =
-        status ? 0.0 : infer_log_evidence(fit, &with) - infer_log_evidence(fit, &without) - 0.5 * log_noise;
+    *score = status ? 0.0
+                    : infer_log_evidence(fit, &with, with.chi2) -
+                          infer_log_evidence(fit, &without, without.chi2) - 0.5 * log_noise;
     infer_posterior_free(&with);
     infer_posterior_free(&without);
     return status;
@@ -80,7 +81,7 @@ static palp_status predict_block(const infer_fit *fit, const explain_data *data,
         status = infer_fit_score(work, data);
     memcpy(use, was, n);
     free(was);
-    *score = status ? 0.0 : fit->score - work->score;
+    *score = status ? 0.0 : fit->promised - work->promised;
     return status;
 }
 

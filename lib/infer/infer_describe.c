@@ -47,7 +47,7 @@ static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *ou
 }
 
 /* Intervals of 95 %, from the posterior's curvature: of what cannot be negative in its logarithm, and of all
- * else as it is. */
+ * else as it is. Where the forces jump by it, from the posterior itself. */
 static palp_status find_intervals(const infer_search *s, size_t at, palp_explain_effect *out) {
     infer_posterior p;
     palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
@@ -66,6 +66,11 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
         const double ratio = exp(logarithmic ? reach : reach / value);
         out->low[k] = positive ? value / ratio : value - reach;
         out->high[k] = positive ? value * ratio : value + reach;
+        if (s->fit.scan[first + k].jumps) {
+            const infer_scan *scan = &s->fit.scan[first + k];
+            out->low[k] = logarithmic ? exp(scan->low) : scan->low;
+            out->high[k] = logarithmic ? exp(scan->high) : scan->high;
+        }
     }
     free(unit);
     infer_posterior_free(&p);

@@ -141,38 +141,8 @@ static palp_status fill_runs(infer_search *s, const infer_posterior *p, size_t n
 
 /* ---- specimens ---- */
 
-/* The material of a specimen: all stiffnesses of the mean's times one factor, all times another one. */
-static palp_status scale_material(const palp_material *mean, double stiffness, double times,
-                                  palp_material *own) {
-    *own = *mean;
-    for (size_t j = 0; j < own->n_arms; j++) {
-        own->arms[j].stiffness_N *= stiffness;
-        own->arms[j].viscosity_Ns *= stiffness * times;
-    }
-    return palp_law_scale(&mean->law, stiffness, &own->law);
-}
-
-/* Derivatives of the parameters, x[2 n_parameters], by the logarithms of both factors. */
-static void differentiate(const palp_material *m, size_t n, double *x) {
-    const size_t step = m->law.kind == PALP_LAW_OGDEN ? 2 : 1;
-    for (size_t k = 0; k < m->law.n; k += step)
-        x[k] = m->law.coefficients[k];
-    for (size_t j = 0; j < m->n_arms; j++) {
-        x[m->law.n + 2 * j] = m->arms[j].stiffness_N;
-        x[m->law.n + 2 * j + 1] = x[n + m->law.n + 2 * j + 1] = m->arms[j].viscosity_Ns;
-    }
-}
-
-/* into[n n] += x' square x, x[INFER_SPECIMEN n]. */
-static void add_product(size_t n, const double *x, const double *square, double *into) {
-    enum { S = INFER_SPECIMEN };
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++)
-            for (size_t a = 0; a < S * S; a++)
-                into[i * n + j] += x[a / S * n + i] * square[a] * x[a % S * n + j];
-}
-
-/* Each specimen's material and factor; the mean of what their runs leave open, within[SPECIMEN SPECIMEN]. */
+/* Each specimen's material and the factor on its law; the mean of what their runs leave open, within[SPECIMEN
+ * SPECIMEN]. */
 static palp_status fill_each(const infer_search *s, const infer_posterior *p, palp_specimens_fit *out,
                              double *within) {
     enum { S = INFER_SPECIMEN };
@@ -187,23 +157,21 @@ static palp_status fill_each(const infer_search *s, const infer_posterior *p, pa
         status = infer_specimen_own(p, r, own, NULL);
         infer_specimen_left(p, r, covariance);
         if (!status)
-            status = scale_material(&out->mean.material, exp(own[INFER_STIFFNESS]), exp(own[INFER_TIMES]),
-                                    &out->own[k]);
+            status = infer_specimen_material(&out->mean.material, own, &out->own[k]);
         for (size_t a = 0; a < S * S && !status; a++)
             within[a] += covariance[a] / (double)out->n_specimens;
-        out->factor[k++] = status ? 1.0 : exp(own[INFER_STIFFNESS]);
+        out->factor[k++] = status ? 1.0 : infer_law_factor(own);
     }
     return status;
 }
 
 /* What their own leave of the mean is known by as many specimens as there are: Student's t. */
-static void widen(const infer_search *s, size_t n, const double *x, palp_specimens_fit *out) {
+static void widen(const infer_search *s, palp_specimens_fit *out) {
+    const size_t n = out->mean.n_parameters;
     const double t = statistics_student_widening(out->n_specimens - 1);
-    double square[INFER_SPECIMEN * INFER_SPECIMEN] = {0.0};
-    for (size_t a = 0; a < INFER_SPECIMEN; a++)
-        square[a * (INFER_SPECIMEN + 1)] =
-            (t * t - 1.0) * pow(s->fit.sizes.specimen[a], 2.0) / (double)out->n_specimens;
-    add_product(n, x, square, out->mean.covariance);
+    double square[INFER_SPECIMEN * INFER_SPECIMEN];
+    infer_specimen_variances(&s->fit.sizes, (t * t - 1.0) / (double)out->n_specimens, square);
+    infer_specimen_spread(&out->mean.material, square, n, out->mean.covariance);
     for (size_t i = 0; i < out->mean.n_estimates; i++) {
         palp_estimate *e = &out->mean.estimate[i];
         const size_t at = parameter_of(out->mean.material.law.n, i, n);
@@ -219,28 +187,25 @@ static palp_status fill_specimens(const infer_search *s, const infer_posterior *
     const size_t n = out->mean.n_parameters, count = s->data.n_specimens;
     palp_explain_specimens found = {.n = 0};
     palp_status status = infer_spread_find(s, &found);
-    double within[S * S] = {0.0}, between[S * S] = {0.0}, *x = calloc(S * n, sizeof *x);
+    double within[S * S] = {0.0}, between[S * S];
     out->n_specimens = count;
     out->own = calloc(count, sizeof *out->own);
     out->factor = calloc(count, sizeof *out->factor);
     out->between = calloc(n * n, sizeof *out->between);
     out->within = calloc(n * n, sizeof *out->within);
-    if (!status && !(x && out->own && out->factor && out->between && out->within))
+    if (!status && !(out->own && out->factor && out->between && out->within))
         status = PALP_ERR_NO_MEMORY;
     if (!status)
         status = fill_each(s, p, out, within);
     if (!status && found.found) {
-        differentiate(&out->mean.material, n, x);
-        for (size_t a = 0; a < S; a++)
-            between[a * (S + 1)] = pow(s->fit.sizes.specimen[a], 2.0);
-        add_product(n, x, between, out->between);
-        add_product(n, x, within, out->within);
-        widen(s, n, x, out);
+        infer_specimen_variances(&s->fit.sizes, 1.0, between);
+        infer_specimen_spread(&out->mean.material, between, n, out->between);
+        infer_specimen_spread(&out->mean.material, within, n, out->within);
+        widen(s, out);
         out->n_spread = 1;
         out->low = found.low / found.sd;
         out->high = found.high / found.sd;
     }
-    free(x);
     return status;
 }
 

@@ -1,4 +1,4 @@
-/* infer_fit.c: a model in search coordinates with its columns, and its most probable parameters. */
+/* infer_fit.c: a model in search coordinates with its columns. */
 #include "infer_internal.h"
 #include "base/dense.h"
 
@@ -20,7 +20,21 @@ palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, p
     return palp_law_spline(knots, strain, stiffness, spline);
 }
 
-static void set_priors(infer_fit *fit) {
+/* A bond's parameters are looked at in all that the runs leave open of them. */
+static void open_bond(infer_fit *fit, const explain_data *data, const effect_row *row, size_t p, size_t a) {
+    const double hidden =
+        data->run[0].white / sqrt((double)explain_samples(data)) * data->deepest / data->peak;
+    const effect_data facts = explain_facts(data);
+    effect_read read;
+    if (p == 0 && row->read && row->read(&facts, &read)) {
+        fit->c.low[a] = read.low;
+        fit->c.high[a] = read.high;
+    }
+    if (row->info.parameter[p].scale == PALP_SCALE_LENGTH && fit->c.logarithmic[a])
+        fit->c.low[a] = fmin(fit->c.low[a], log(hidden));
+}
+
+static void set_priors(infer_fit *fit, const explain_data *data) {
     const palp_material *m = &fit->c.model.material;
     const bool spline = m->law.kind == PALP_LAW_SPLINE;
     const size_t effects = m->law.n + 2 * m->n_arms;
@@ -45,6 +59,9 @@ static void set_priors(infer_fit *fit) {
         const effect_row *row = effect_row_of(fit->c.model.effects[i].id);
         for (size_t p = 0; p < row->info.n_parameters; p++, a++) {
             const palp_effect_parameter *q = &row->info.parameter[p];
+            fit->scan[a].jumps = row->jumps;
+            if (row->jumps)
+                open_bond(fit, data, row, p, a);
             const double range = fit->c.high[a] - fit->c.low[a];
             if (q->strength && !fit->c.logarithmic[a]) {
                 fit->given[a] = fit->width[a] = 0.0;
@@ -54,6 +71,17 @@ static void set_priors(infer_fit *fit) {
             fit->width[a] = isfinite(range) ? fmax(range / sqrt(12.0), 1e-9) : fit->c.unit[a];
         }
     }
+}
+
+/* What is known of the coordinates by which the forces jump, of effects that both fits have. */
+static void take_scans(const infer_fit *from, infer_fit *fit) {
+    const palp_model *a = &from->c.model, *b = &fit->c.model;
+    for (size_t i = 0; i < a->n_effects && i < b->n_effects && a->effects[i].id == b->effects[i].id; i++)
+        for (size_t p = 0; p < PALP_EFFECT_PARAMETERS; p++) {
+            infer_scan *to = &fit->scan[explain_first_column(b, i) + p];
+            if (p < palp_effect_look_up(a->effects[i].id)->n_parameters && to->jumps)
+                *to = from->scan[explain_first_column(a, i) + p];
+        }
 }
 
 void infer_noise_begin(infer_fit *fit, const explain_data *data) {
@@ -114,7 +142,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
     memset(fit->sample, 0, data->n * sizeof *fit->sample);
     infer_noise_begin(fit, data);
     fit->sizes = infer_sizes_first(data);
-    set_priors(fit);
+    set_priors(fit, data);
     for (size_t i = 0; i < PALP_LAW_MAX; i++)
         fit->certain[i] = 1.0;
     if (like) {
@@ -131,6 +159,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
         memcpy(fit->given, like->given, plain * sizeof *fit->given);
         memcpy(fit->c.low, like->c.low, plain * sizeof *fit->given);
         memcpy(fit->c.high, like->c.high, plain * sizeof *fit->given);
+        take_scans(like, fit);
     }
     return PALP_OK;
 }
@@ -166,20 +195,22 @@ void infer_fit_take_state(const infer_fit *from, const explain_data *data, infer
     memcpy(fit->c.contact, from->c.contact, n_runs * sizeof *fit->c.contact);
     memcpy(fit->c.gain, from->c.gain, n_runs * sizeof *fit->c.gain);
     memcpy(fit->given + law, from->given + was, 2 * fit->c.model.material.n_arms * sizeof *fit->given);
+    take_scans(from, fit);
 }
 
 /* ---- columns ---- */
 
 /* The material of run r's specimen. */
 static palp_status make_own(const infer_fit *fit, const explain_run *run, size_t r, palp_model *model) {
-    const double *b = fit->specimen + r * INFER_SPECIMEN, factor = run->area * exp(b[INFER_STIFFNESS]);
+    const palp_material population = model->material;
     palp_material *m = &model->material;
+    palp_status status = infer_specimen_material(&population, fit->specimen + r * INFER_SPECIMEN, m);
     model->height_m = run->height;
     for (size_t j = 0; j < m->n_arms; j++) {
-        m->arms[j].stiffness_N *= factor;
-        m->arms[j].viscosity_Ns *= factor * exp(b[INFER_TIMES]);
+        m->arms[j].stiffness_N *= run->area;
+        m->arms[j].viscosity_Ns *= run->area;
     }
-    return palp_law_scale(&m->law, factor, &m->law);
+    return status ? status : palp_law_scale(&m->law, run->area, &m->law);
 }
 
 /* The gradient by the population's coefficients from that by the specimen's, and what the specimen has of its
@@ -188,18 +219,22 @@ static void take_specimen(const infer_fit *fit, const explain_run *run, size_t r
                           double *column) {
     const palp_material *m = &fit->c.model.material;
     const double *b = fit->specimen + r * INFER_SPECIMEN, factor = run->area * exp(b[INFER_STIFFNESS]);
-    const size_t n = run->n;
+    const size_t n = run->n, count = m->law.n + 2 * m->n_arms;
+    double slope[INFER_SPECIMEN * (PALP_LAW_MAX + 2 * PALP_ARMS_MAX)];
+    infer_specimen_slopes(m, count, slope);
     memset(column, 0, INFER_SPECIMEN * n * sizeof *column);
-    for (size_t a = 0; a < m->law.n + 2 * m->n_arms; a++) {
-        const bool law = a < m->law.n, viscosity = !law && (a - m->law.n) % 2 == 1;
-        const palp_arm *arm = &m->arms[law ? 0 : (a - m->law.n) / 2];
-        const double scale = viscosity ? factor * exp(b[INFER_TIMES]) : factor;
-        const double x = law ? m->law.coefficients[a] : viscosity ? arm->viscosity_Ns : arm->stiffness_N;
-        for (size_t i = 0; i < n; i++) {
+    for (size_t a = 0; a < count; a++) {
+        const bool law = a < m->law.n, viscosity = !law && (a - m->law.n) % 2 == 1,
+                   exponent = law && m->law.kind == PALP_LAW_OGDEN && a % 2 == 1;
+        const double scale = exponent    ? 1.0
+                             : law       ? run->area * infer_law_factor(b)
+                             : viscosity ? factor * exp(b[INFER_TIMES])
+                                         : factor;
+        for (size_t i = 0; i < n; i++)
             gradient[a * n + i] *= scale;
-            column[INFER_STIFFNESS * n + i] += x * gradient[a * n + i];
-            column[INFER_TIMES * n + i] += viscosity ? x * gradient[a * n + i] : 0.0;
-        }
+        for (size_t own = 0; own < INFER_SPECIMEN; own++)
+            for (size_t i = 0; i < n && slope[own * count + a] != 0.0; i++)
+                column[own * n + i] += slope[own * count + a] * gradient[a * n + i];
     }
 }
 
@@ -247,7 +282,7 @@ static void take_columns(const infer_fit *fit, const explain_data *data, size_t 
         for (size_t a = 0; a < INFER_SPECIMEN; a++)
             y[i] += b[a] * specimen[a * n + i];
     }
-    infer_hats(data, r, own + INFER_OWN * n);
+    infer_hats(data, r, fit->c.contact[r], own + INFER_OWN * n);
 }
 
 palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
@@ -282,7 +317,7 @@ palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
 static size_t active_columns(const infer_fit *fit, size_t *list) {
     size_t n = 0;
     for (size_t a = 0; a < fit->m; a++) {
-        bool on = true;
+        bool on = a >= fit->k || !fit->scan[a].jumps;
         if (a >= fit->k && a < fit->k + INFER_OWN)
             on = fit->sizes.own[a - fit->k] > 0.0;
         if (a >= fit->k + INFER_BLOCK && a + 1 < fit->m)
@@ -340,86 +375,17 @@ palp_status infer_fit_products(infer_fit *fit, const explain_data *data) {
     return PALP_OK;
 }
 
+void infer_take_scores(infer_fit *fit, const infer_posterior *p) {
+    fit->score = infer_log_evidence(fit, p, p->here);
+    fit->promised = infer_log_evidence(fit, p, p->chi2);
+}
+
 palp_status infer_fit_score(infer_fit *fit, const explain_data *data) {
     infer_posterior p;
     palp_status status = infer_posterior_find(fit, data, &p);
     if (!status)
-        fit->score = infer_log_evidence(fit, &p);
+        infer_take_scores(fit, &p);
     infer_posterior_free(&p);
-    return status;
-}
-
-/* ---- the most probable parameters ---- */
-
-typedef struct improvement {
-    infer_fit *fit;
-    const explain_data *data;
-    double log_noise; /* at the start: so that a unit changes nothing */
-    bool best;        /* what was evaluated last is the best so far */
-} improvement;
-
-/* At the columns at hand. */
-static palp_status take_normal(const improvement *i, double *h, double *g, double *chi2) {
-    const size_t k = i->fit->k;
-    infer_posterior p;
-    palp_status status = infer_posterior_find(i->fit, i->data, &p);
-    if (status)
-        return status;
-    memcpy(h, p.normal, k * k * sizeof *h);
-    memcpy(g, p.pull, k * sizeof *g);
-    *chi2 = p.here + i->fit->log_noise - i->log_noise;
-    i->fit->score = infer_log_evidence(i->fit, &p);
-    infer_posterior_free(&p);
-    return PALP_OK;
-}
-
-static palp_status evaluate(void *user, const double *x, double *h, double *g, double *chi2) {
-    improvement *i = user;
-    i->best = false;
-    memcpy(i->fit->c.x, x, i->fit->k * sizeof *x);
-    palp_status status = explain_fit_to_model(&i->fit->c);
-    if (!status)
-        status = infer_fit_evaluate(i->fit, i->data);
-    if (!status)
-        status = take_normal(i, h, g, chi2);
-    return !status || status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
-}
-
-static void keep(void *user) {
-    ((improvement *)user)->best = true;
-}
-
-palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations) {
-    const size_t k = fit->k;
-    double *h = malloc((k * k + 2 * k) * sizeof *h), reach[EXPLAIN_COLUMNS], chi2;
-    if (!h)
-        return PALP_ERR_NO_MEMORY;
-    double *g = h + k * k, *x = g + k;
-    memcpy(x, fit->c.x, k * sizeof *x);
-    palp_status status = infer_fit_products(fit, data);
-    improvement i = {.fit = fit, .data = data, .log_noise = fit->log_noise, .best = true};
-    if (!status)
-        status = take_normal(&i, h, g, &chi2);
-    for (size_t a = 0; a < k; a++)
-        reach[a] = fit->c.logarithmic[a] ? 1.0 : HUGE_VAL;
-    const levenberg problem = {.n = k,
-                               .evaluations = evaluations,
-                               .low = fit->c.low,
-                               .high = fit->c.high,
-                               .reach = reach,
-                               .stop_absolute = 0.02,
-                               .stop_relative = 1e-7,
-                               .stop_rise = 1e-3,
-                               .stop_expected = 0.02,
-                               .evaluate = evaluate,
-                               .keep = keep,
-                               .user = &i};
-    if (!status)
-        status = levenberg_solve(&problem, x, h, g, &chi2);
-
-    if (!status && !i.best)
-        status = evaluate(&i, x, h, g, &chi2);
-    free(h);
     return status;
 }
 

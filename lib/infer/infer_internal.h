@@ -8,11 +8,12 @@
 /* What a run has of its own beside its discrepancy: zero, contact, gain, and the mains' sine and cosine. */
 enum { INFER_ZERO, INFER_CONTACT, INFER_GAIN, INFER_SINE, INFER_COSINE, INFER_OWN };
 
-/* What a specimen has of its own: the logarithm of a factor on all stiffnesses, and on all times. */
-enum { INFER_STIFFNESS, INFER_TIMES, INFER_SPECIMEN };
+/* What a specimen has of its own: logarithms of a factor on all stiffnesses, one on all times, and one on the
+ * law alone. */
+enum { INFER_STIFFNESS, INFER_TIMES, INFER_LAW, INFER_SPECIMEN };
 
 /* Discrepancies are sums of hat functions over these, on grids of so many nodes. */
-enum { INFER_LOADING, INFER_UNLOADING, INFER_SINCE_TURN, INFER_DOMAINS };
+enum { INFER_LOADING, INFER_UNLOADING, INFER_SINCE_TURN, INFER_WITHDRAWN, INFER_DOMAINS };
 enum { INFER_NODES = 12, INFER_HATS = INFER_DOMAINS * INFER_NODES };
 enum { INFER_LENGTHS = 2 }; /* correlation lengths of each, as shares of the range: infer_lengths */
 enum { INFER_BLOCK = INFER_OWN + INFER_HATS };
@@ -49,6 +50,14 @@ typedef struct infer_sizes {
     double bend; /* of log K from knot to knot, second differences: scale of their Cauchy prior */
 } infer_sizes;
 
+/* A coordinate by which the forces jump: no column says what it does, so its posterior is looked at place by
+ * place. */
+typedef struct infer_scan {
+    bool jumps;       /* it is one */
+    double spread;    /* integral of the posterior over its density here; 0: not known */
+    double low, high; /* of 95 % of it */
+} infer_scan;
+
 /* One block of columns of a run: [k parameters | INFER_OWN | INFER_HATS | INFER_SPECIMEN | residual], each
  * [n]. */
 typedef struct infer_fit {
@@ -58,14 +67,16 @@ typedef struct infer_fit {
     infer_sizes sizes;
     double given[EXPLAIN_COLUMNS]; /* prior mean of each coordinate, */
     double width[EXPLAIN_COLUMNS]; /* and its sd; 0: an effect's strength, see infer_prior */
-    double *raw;                   /* all runs' columns, run r at raw + first sample m */
-    double *product;               /* [n_runs m m] of the whitened ones */
-    double *specimen;              /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
-    infer_sample *sample;          /* [data->n] */
-    double converter;              /* step of the force, N; 0 = none was found */
-    double certain[PALP_LAW_MAX];  /* of each bend: expected precision, in units of sizes.bend's */
-    double log_noise;              /* log determinant of the noise's covariance, less what tails add twice */
-    double score;                  /* log Z, nats */
+    infer_scan scan[EXPLAIN_COLUMNS];
+    double *raw;                  /* all runs' columns, run r at raw + first sample m */
+    double *product;              /* [n_runs m m] of the whitened ones */
+    double *specimen;             /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
+    infer_sample *sample;         /* [data->n] */
+    double converter;             /* step of the force, N; 0 = none was found */
+    double certain[PALP_LAW_MAX]; /* of each bend: expected precision, in units of sizes.bend's */
+    double log_noise;             /* log determinant of the noise's covariance, less what tails add twice */
+    double score;                 /* log Z at the parameters at hand, nats */
+    double promised;              /* log Z after the best step that the columns at hand let expect */
 } infer_fit;
 
 /* What all runs together say of the common discrepancy (INFER_HATS) and then of the parameters (k), each
@@ -117,6 +128,24 @@ double infer_common_step(size_t n, const double *value, double step);
 /* Finds the steps of both columns, and the correlation of the encoder's error. */
 void infer_steps_find(infer_fit *fit, const explain_data *data);
 
+/* ---- what a specimen has of its own (infer_factors.c) ---- */
+
+/* The factor on its law in all, and the sd of its logarithm. */
+double infer_law_factor(const double own[INFER_SPECIMEN]);
+double infer_law_sd(const infer_sizes *sizes);
+
+palp_status infer_specimen_material(const palp_material *population, const double own[INFER_SPECIMEN],
+                                    palp_material *material);
+
+/* Derivatives of the n parameters of the material (springs, then K_j and b_j): x[INFER_SPECIMEN n]. */
+void infer_specimen_slopes(const palp_material *m, size_t n, double *x);
+
+/* into[n n] += the covariance of the parameters that square[SPECIMEN SPECIMEN] means. */
+void infer_specimen_spread(const palp_material *m, const double *square, size_t n, double *into);
+
+/* This share of the specimens' variances: square[SPECIMEN SPECIMEN]. */
+void infer_specimen_variances(const infer_sizes *sizes, double share, double *square);
+
 /* ---- heavy tails (infer_tails.c) ---- */
 
 /* The samples' expected precisions and the degrees of freedom, at the columns at hand. */
@@ -158,7 +187,8 @@ infer_sizes infer_sizes_first(const explain_data *data);
 
 palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data, infer_posterior *p);
 void infer_posterior_free(infer_posterior *p);
-double infer_log_evidence(const infer_fit *fit, const infer_posterior *p);
+/* Of the parameters at hand by p->here, after the best step by p->chi2. */
+double infer_log_evidence(const infer_fit *fit, const infer_posterior *p, double chi2);
 
 /* Run r's own at the posterior: mean[INFER_BLOCK], covariance[INFER_BLOCK INFER_BLOCK] (NULL: not wanted). */
 palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
@@ -201,12 +231,19 @@ palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, p
 palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to);
 void infer_fit_free(infer_fit *fit);
 
-/* Columns of fit->c.model, and their products; products of the columns at hand; the score of these. */
+/* Columns of fit->c.model, and their products; products of the columns at hand; score and promised of these.
+ */
 palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_products(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_score(infer_fit *fit, const explain_data *data);
-/* From the columns at hand to better parameters. */
+void infer_take_scores(infer_fit *fit, const infer_posterior *p);
+/* From the columns at hand to better parameters. (infer_improve.c) */
 palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations);
+
+/* The parameters of a bond between plate and surface to where they are most probable, and what the runs leave
+ * open of them; all others follow by their best step. Where that is known already, the strength alone moves.
+ * Nothing where there is no bond. (infer_scan.c) */
+palp_status infer_scan_bond(infer_fit *fit, const explain_data *data);
 
 /* What is left of all runs, [data->n]: beside the model and what the runs have of their own; and what the
  * discrepancy takes of that. */
@@ -220,16 +257,24 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
  * the search came there. */
 palp_status infer_fit_converge(infer_fit *fit, const explain_data *data);
 
+/* Parameters of a fit just made, without a discrepancy: white noise takes its place, as much of it each round
+ * as the last one left. */
+palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t rounds);
+
 /* The same for a fit just made, from a first guess of all sizes, in two ways, of which the more probable one
  * is kept: as it is; and its parameters first without a discrepancy, which could take their place. A law of
  * INFER_KNOTS begins with the coarse one's. */
 palp_status infer_begin(infer_fit *fit, const explain_data *data);
 
+/* The same for a settled fit to which an effect was added: as it is, or from a first guess of sizes, contacts
+ * and noise, which had taken the effect's place. */
+palp_status infer_begin_anew(infer_fit *fit, const explain_data *data);
+
 enum {
     INFER_LAST = 5
 }; /* evaluations of the last improvement, as sizes and noise are learned after others */
 
-/* Hat functions of run r, [INFER_HATS n]. (infer_columns.c) */
-void infer_hats(const explain_data *data, size_t r, double *column);
+/* Hat functions of run r, whose surface is at this depth, [INFER_HATS n]. (infer_columns.c) */
+void infer_hats(const explain_data *data, size_t r, double contact, double *column);
 
 #endif

@@ -4,11 +4,13 @@
 #include "base/file.h"
 #include "infer_search.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The added arm, last of the trial's effects, becomes one of the material's. */
-static palp_status take_arm(infer_search *s, infer_trial *t) {
+/* The added arm, last of the trial's effects, becomes one of the material's, if the fit with it is so much
+ * more probable, nats. */
+static palp_status take_arm(infer_search *s, infer_trial *t, double wanted, bool *taken) {
     palp_model model = t->fit.c.model;
     const palp_effect *arm = &model.effects[--model.n_effects];
     palp_material *m = &model.material;
@@ -19,7 +21,8 @@ static palp_status take_arm(infer_search *s, infer_trial *t) {
     if (status)
         return status;
     status = infer_begin(&next, &s->data);
-    if (status) {
+    *taken = !status && next.score - s->fit.score > wanted;
+    if (!*taken) {
         infer_fit_free(&next);
         return status;
     }
@@ -34,21 +37,22 @@ static bool has_arm(const infer_trial *t) {
 }
 
 static palp_status find_arms(infer_search *s, size_t least, size_t most) {
+    const double threshold = infer_threshold(s->settings);
     palp_status status = PALP_OK;
-    while (!status && s->fit.c.model.material.n_arms < most) {
+    bool taken = true;
+    while (!status && taken && s->fit.c.model.material.n_arms < most) {
         infer_trial *arm = &s->trial[PALP_EFFECT_RELAXATION_ARM], *drive = &s->trial[INFER_DRIVE];
         status = infer_try_all(s);
         const bool wanted = s->fit.c.model.material.n_arms < least;
         if (status || !(arm->fit.raw || drive->fit.raw))
             break;
-        if (drive->fit.raw && drive->gain > infer_threshold(s->settings) &&
-            !(arm->fit.raw && arm->gain > drive->gain)) {
+        if (drive->fit.raw && drive->gain > threshold && !(arm->fit.raw && arm->gain > drive->gain)) {
             infer_fit_free(&s->fit);
             s->fit = drive->fit;
             drive->fit.raw = NULL;
             status = infer_fit_settle(&s->fit, &s->data, 2, true);
-        } else if (arm->fit.raw && has_arm(arm) && (wanted || arm->gain > infer_threshold(s->settings)))
-            status = take_arm(s, arm);
+        } else if (arm->fit.raw && has_arm(arm)) /* near the fit at hand it may gain too little */
+            status = take_arm(s, arm, wanted ? -HUGE_VAL : threshold + infer_price(s), &taken);
         else
             break;
     }

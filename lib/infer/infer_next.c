@@ -80,6 +80,7 @@ static palp_status extend(const infer_fit *full, size_t n_runs, const explain_da
     memcpy(fit->c.x, full->c.x, fit->k * sizeof *fit->c.x);
     memcpy(fit->given, full->given, fit->k * sizeof *fit->given);
     memcpy(fit->width, full->width, fit->k * sizeof *fit->width);
+    memcpy(fit->scan, full->scan, fit->k * sizeof *fit->scan);
     memcpy(fit->c.contact, full->c.contact, n_runs * sizeof *fit->c.contact);
     memcpy(fit->c.gain, full->c.gain, n_runs * sizeof *fit->c.gain);
     status = infer_fit_evaluate(fit, data);

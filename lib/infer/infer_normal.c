@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double TURN = 6.28318530717958647692;
+
 enum { SPECIMEN_SQUARE = INFER_SPECIMEN * INFER_SPECIMEN };
 
 /* Column of a run's products (parameters, its own, hats, specimen's, residual) of an outer one: hats,
@@ -52,6 +54,11 @@ static bool is_off(const infer_fit *fit, size_t a) {
     return !infer_any(fit->sizes.each[(a - INFER_OWN) / INFER_NODES]);
 }
 
+/* Whether an outer column is a common discrepancy without a size: nothing else depends on it. */
+static bool is_absent(const infer_fit *fit, size_t outer) {
+    return outer < INFER_HATS && !infer_any(fit->sizes.common[outer / INFER_NODES]);
+}
+
 /* Whether the run's contact is one of those that average 0. */
 static bool in_mean(const infer_fit *fit, const explain_data *data, size_t r) {
     return data->contacts_average_0 && !data->run[r].held_out && fit->sizes.own[INFER_CONTACT] > 0.0;
@@ -63,8 +70,8 @@ static void own_cross(const infer_fit *fit, const explain_data *data, size_t r, 
     const size_t s = INFER_HATS + fit->k + 1;
     for (size_t b = 0; b < outer; b++) {
         const size_t column = outer_column(fit, b);
-        const bool off =
-            column == fit->m || (b >= s && b < s + INFER_SPECIMEN && !(fit->sizes.specimen[b - s] > 0.0));
+        const bool off = is_absent(fit, b) || column == fit->m ||
+                         (b >= s && b < s + INFER_SPECIMEN && !(fit->sizes.specimen[b - s] > 0.0));
         for (size_t a = 0; a < INFER_BLOCK; a++)
             cross[b * INFER_BLOCK + a] = off || is_off(fit, a) ? 0.0 : product[column * fit->m + fit->k + a];
     }
@@ -118,7 +125,7 @@ static bool take_specimen(const infer_fit *fit, size_t g, const double *a, doubl
         keep[i * S + i] += on ? 1.0 / (sd * sd) : 1.0;
         det[1] -= on ? 2.0 * log(sd) : 0.0;
         for (size_t b = 0; b < g; b++)
-            rows[b * S + i] = on ? a[(g + i) * outer + b] : 0.0;
+            rows[b * S + i] = on && !is_absent(fit, b) ? a[(g + i) * outer + b] : 0.0;
         rows[g * S + i] = on ? a[(g + S) * outer + g + i] : 0.0;
     }
     if (!dense_cholesky(S, keep))
@@ -243,6 +250,12 @@ static palp_status solve(const infer_fit *fit, const explain_data *data, infer_p
             a[g * e + INFER_HATS + i] -= q[i * k + j] * off;
             p->chi2 += (fit->c.x[i] - fit->given[i]) * q[i * k + j] * off;
         }
+    for (size_t i = 0; i < k; i++)
+        if (fit->scan[i].jumps) { /* it is at the median, and what that leaves open was looked at */
+            a[g * e + INFER_HATS + i] = 0.0;
+            if (fit->scan[i].spread > 0.0)
+                a[(INFER_HATS + i) * (e + 1)] = TURN / (fit->scan[i].spread * fit->scan[i].spread);
+        }
     for (size_t i = 0; i < g; i++) {
         memcpy(p->factor + i * g, a + i * e, g * sizeof *p->factor);
         p->mean[i] = a[g * e + i];
@@ -304,8 +317,8 @@ void infer_posterior_free(infer_posterior *p) {
     memset(p, 0, sizeof *p);
 }
 
-double infer_log_evidence(const infer_fit *fit, const infer_posterior *p) {
-    return infer_bends_evidence(fit) - 0.5 * (p->chi2 + fit->log_noise + p->log_det - p->log_prior);
+double infer_log_evidence(const infer_fit *fit, const infer_posterior *p, double chi2) {
+    return infer_bends_evidence(fit) - 0.5 * (chi2 + fit->log_noise + p->log_det - p->log_prior);
 }
 
 /* -d own / d global of the specimen of run r: slope[SPECIMEN (g + 2)], the multiplier's after the global

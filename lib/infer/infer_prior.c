@@ -45,14 +45,16 @@ double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *
     return any ? -dense_log_determinant(N, sum) : 0.0;
 }
 
-/* r.m.s. force over r.m.s. column of parameter p: the strength that changes the forces by their own size. */
+/* r.m.s. force over r.m.s. column of parameter p: the strength that changes the forces by their own size. One
+ * by which they jump is a force, and the largest change that it makes. */
 static double strength_of(const infer_fit *fit, const explain_data *data, size_t p) {
     double force = 0.0, column = 0.0;
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
         const double *by = fit->raw + at * fit->m + p * data->run[r].n;
+        const bool jumps = fit->scan[p].jumps;
         for (size_t i = 0; i < data->run[r].n; i++) {
             force += data->run[r].force[i] * data->run[r].force[i];
-            column += by[i] * by[i];
+            column += jumps ? 1.0 : by[i] * by[i];
         }
     }
     return column > 0.0 ? sqrt(force / column) : HUGE_VAL;

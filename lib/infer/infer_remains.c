@@ -15,6 +15,14 @@ static palp_status learn_without(infer_fit *fit, const explain_data *data) {
     return status ? status : infer_noise_learn(fit, data, 60, false);
 }
 
+/* The parameters that leave least: a discrepancy could take any share of what they leave. */
+static palp_status leave_least(infer_fit *fit, const explain_data *data) {
+    enum { ROUNDS = 3 };
+    return infer_fit_anneal(fit, data, ROUNDS);
+}
+
+typedef palp_status refit(infer_fit *fit, const explain_data *data);
+
 /* An effect that is of all runs what each has of its own, unless the model has it. */
 static void share(palp_model *model, palp_effect_id id, double value) {
     for (size_t i = 0; i < model->n_effects; i++)
@@ -49,9 +57,9 @@ static palp_status find_means(const infer_search *s, double mean[INFER_OWN], dou
     return status;
 }
 
-/* The fit at hand with one zero, contact or gain for all runs where common says so, refitted: that of the
- * model, or another one (mean, NULL: not tried), if it is more probable. The law takes a gain in. */
-static palp_status refit_in_common(const infer_search *s, const bool common[INFER_GAIN + 1],
+/* The fit at hand with one zero, contact or gain for all runs where common says so, refitted by this: that of
+ * the model, or another one (mean, NULL: not tried), if it is more probable. The law takes a gain in. */
+static palp_status refit_in_common(const infer_search *s, const bool common[INFER_GAIN + 1], refit *by,
                                    const double *mean, infer_fit *fit) {
     palp_model model = s->fit.c.model;
     if (mean && common[INFER_ZERO])
@@ -68,16 +76,16 @@ static palp_status refit_in_common(const infer_search *s, const bool common[INFE
     if (common[INFER_GAIN])
         memset(fit->c.gain, 0, s->data.n_runs * sizeof *fit->c.gain);
     status = infer_fit_evaluate(fit, &s->data);
-    return status ? status : learn_without(fit, &s->data);
+    return status ? status : by(fit, &s->data);
 }
 
-static palp_status fit_in_common(const infer_search *s, const bool common[INFER_GAIN + 1],
+static palp_status fit_in_common(const infer_search *s, const bool common[INFER_GAIN + 1], refit *by,
                                  const double mean[INFER_OWN], infer_fit *fit) {
     infer_fit shared = {.raw = NULL};
-    palp_status status = refit_in_common(s, common, NULL, fit);
+    palp_status status = refit_in_common(s, common, by, NULL, fit);
     const bool effects = common[INFER_ZERO] || common[INFER_CONTACT];
     if (!status && effects && s->fit.score - fit->score > infer_threshold(s->settings))
-        status = refit_in_common(s, common, mean, &shared);
+        status = refit_in_common(s, common, by, mean, &shared);
     if (!status && shared.raw && shared.score > fit->score) {
         const infer_fit worse = *fit;
         *fit = shared;
@@ -94,12 +102,25 @@ palp_status infer_before_find(const infer_search *s, double *residual) {
     infer_fit fit = {.raw = NULL};
     palp_status status = work ? find_means(s, mean, square) : PALP_ERR_NO_MEMORY;
     if (!status)
-        status = fit_in_common(s, all, mean, &fit);
+        status = fit_in_common(s, all, leave_least, mean, &fit);
     if (!status)
         status = infer_residual(&fit, &s->data, residual, work);
     if (fit.raw)
         infer_fit_free(&fit);
     free(work);
+    return status;
+}
+
+/* The least rms with one zero, contact or gain for all runs where common says so. work: [2 data.n] */
+static palp_status find_least(const infer_search *s, const bool common[INFER_GAIN + 1],
+                              const double mean[INFER_OWN], double *work, double *least) {
+    infer_fit fit = {.raw = NULL};
+    palp_status status = fit_in_common(s, common, leave_least, mean, &fit);
+    if (!status)
+        status = infer_residual(&fit, &s->data, work, work + s->data.n);
+    *least = status ? 0.0 : explain_fitted_rms(&s->data, work);
+    if (fit.raw)
+        infer_fit_free(&fit);
     return status;
 }
 
@@ -116,13 +137,17 @@ static palp_status find_scatter(const infer_search *s, int which, palp_explain_s
     const double freedom = (double)explain_fitted_runs(&s->data) - 1.0 + told;
     out->sd = sqrt((square[which] + told * pow(s->data.contact_told, 2.0)) / fmax(1.0, freedom));
     const double left = out->without_N;
+    static const bool none[INFER_GAIN + 1] = {false};
+    double with, least;
     infer_fit without = {.raw = NULL};
     double *work = malloc(2 * s->data.n * sizeof *work);
-    status = work ? fit_in_common(s, common, mean, &without) : PALP_ERR_NO_MEMORY;
+    status = work ? fit_in_common(s, common, learn_without, mean, &without) : PALP_ERR_NO_MEMORY;
     if (!status)
-        status = infer_residual(&without, &s->data, work, work + s->data.n);
+        status = find_least(s, none, mean, work, &with);
+    if (!status)
+        status = find_least(s, common, mean, work, &least);
     if (!status) {
-        out->without_N = explain_fitted_rms(&s->data, work);
+        out->without_N = sqrt(left * left + fmax(0.0, least * least - with * with));
         out->evidence = s->fit.score - without.score;
         out->found = out->evidence > infer_threshold(s->settings) && out->without_N > left;
     }
@@ -157,14 +182,14 @@ static palp_status find_evidence(const infer_search *s, double *nats) {
         status = infer_fit_score(&without, &s->data);
     if (!status)
         status = infer_noise_learn(&without, &s->data, 100, false);
-    *nats = s->fit.score - without.score;
+    *nats = s->fit.promised - without.promised;
     infer_fit_free(&without);
     return status;
 }
 
 /* What one size costs: its log-uniform prior over what its posterior leaves of it (Laplace), nats. */
 static palp_status cost_of_size(infer_fit *fit, const explain_data *data, double *size, double *nats) {
-    const double step = 0.5, was = *size, here = fit->score,
+    const double step = 0.5, was = *size, here = fit->promised,
                  hidden = fit->noise.white / sqrt((double)explain_samples(data));
     double sum = 0.0;
     palp_status status = PALP_OK;
@@ -173,10 +198,9 @@ static palp_status cost_of_size(infer_fit *fit, const explain_data *data, double
     for (int side = -1; side <= 1 && !status; side += 2) {
         *size = was * exp(side * step);
         status = infer_fit_score(fit, data);
-        sum += fit->score;
+        sum += fit->promised;
     }
     *size = was;
-    fit->score = here;
     const double curvature = fmax(0.0, (2.0 * here - sum) / (step * step)), range = log(data->peak / hidden);
     *nats += fmax(0.0, log(range * sqrt(curvature / TURN)));
     return status;
@@ -195,6 +219,15 @@ static palp_status cost_of_sizes(const infer_search *s, double *nats) {
     }
     if (fit.raw)
         infer_fit_free(&fit);
+    return status;
+}
+
+palp_status infer_discrepancy_weigh(const infer_search *s, double *nats) {
+    double cost = 0.0;
+    palp_status status = find_evidence(s, nats);
+    if (!status)
+        status = cost_of_sizes(s, &cost);
+    *nats -= cost;
     return status;
 }
 
@@ -243,14 +276,10 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e) {
     palp_explain_discrepancy *out = &e->discrepancy;
     out->known = true;
     out->loading_N = sqrt(square[INFER_LOADING] / count);
-    out->unloading_N = sqrt(square[INFER_UNLOADING] / count);
+    out->unloading_N = sqrt((square[INFER_UNLOADING] + square[INFER_WITHDRAWN]) / count);
     out->since_turn_N = sqrt(square[INFER_SINCE_TURN] / count);
     out->correlated_N = sqrt(fmax(0.0, beside / count - pow(infer_white_level(&s->fit, data), 2.0)));
-    double cost = 0.0;
-    status = find_evidence(s, &out->evidence);
-    if (!status)
-        status = cost_of_sizes(s, &cost);
-    out->evidence -= cost;
+    status = infer_discrepancy_weigh(s, &out->evidence);
     const bool there = out->evidence > infer_threshold(s->settings);
     e->unexplained_N = there ? explain_fitted_rms(data, s->discrepancy) : 0.0;
     out->found = there && e->unexplained_N > s->settings->good_enough * data->peak;

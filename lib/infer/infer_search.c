@@ -13,8 +13,7 @@ double infer_threshold(const palp_explain_settings *settings) {
     return log(1.0 / settings->false_alarm - 1.0);
 }
 
-/* What a candidate pays for being one of many. */
-static double price(const infer_search *s) {
+double infer_price(const infer_search *s) {
     double n = 0.0;
     for (int i = 0; i < PALP_EFFECT_COUNT; i++)
         n += s->settings->candidate[i] ? 1.0 : 0.0;
@@ -50,8 +49,35 @@ palp_effect_id infer_added_id(const infer_search *s, size_t i) {
 
 /* ---- one candidate ---- */
 
-/* base with the effect at this start, its parameters those of base. */
-static palp_status added_at(const infer_search *s, const palp_effect *effect, bool renewed, infer_fit *fit) {
+/* What the runs tell of the strength of the fit's last effect: the share of its prior variance that is gone;
+ * and the fit's scores. */
+static palp_status find_learned(infer_fit *fit, const explain_data *data, double *learned) {
+    const palp_model *m = &fit->c.model;
+    const size_t k = fit->k, g = k + INFER_HATS, last = m->n_effects - 1;
+    const palp_effect_info *info = palp_effect_look_up(m->effects[last].id);
+    size_t at = explain_first_column(m, last);
+    for (size_t p = 0; p < info->n_parameters && !info->parameter[p].strength; p++)
+        at += p + 1 < info->n_parameters;
+    infer_posterior p = {.memory = NULL};
+    double log_det, *q = calloc(k * k + g, sizeof *q);
+    palp_status status = q ? infer_prior(fit, data, q, &log_det) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = infer_posterior_find(fit, data, &p);
+    if (!status) {
+        double *unit = q + k * k;
+        infer_take_scores(fit, &p);
+        unit[INFER_HATS + at] = 1.0;
+        dense_forward(g, p.factor, 1, unit);
+        *learned = 1.0 - dense_dot(g, unit, unit) * q[at * k + at];
+    }
+    infer_posterior_free(&p);
+    free(q);
+    return status;
+}
+
+/* base with the effect at this start, its parameters those of base; and what the runs tell of it there. */
+static palp_status added_at(const infer_search *s, const palp_effect *effect, bool renewed, infer_fit *fit,
+                            double *learned) {
     palp_model model = s->fit.c.model;
     model.effects[model.n_effects++] = *effect;
     palp_status status = infer_fit_create(&model, &s->data, &s->fit, fit);
@@ -62,15 +88,15 @@ static palp_status added_at(const infer_search *s, const palp_effect *effect, bo
     if (!status)
         status = infer_fit_evaluate(fit, &s->data);
     if (!status)
-        status = infer_fit_score(fit, &s->data);
+        status = find_learned(fit, &s->data, learned);
     if (status)
         infer_fit_free(fit);
     return status;
 }
 
-/* In *best the one of the higher score; the other is freed. */
+/* In *best the one that promises more; the other is freed. */
 static void take_better(infer_fit *fit, infer_fit *best) {
-    if (best->raw && !(fit->score > best->score)) {
+    if (best->raw && !(fit->promised > best->promised)) {
         infer_fit_free(fit);
         return;
     }
@@ -81,12 +107,15 @@ static void take_better(infer_fit *fit, infer_fit *best) {
 }
 
 /* The two starts that promise most; more of them are only looked at. */
-static palp_status enter(const infer_search *s, const palp_effect *start, bool renewed, infer_fit best[2]) {
+static palp_status enter(const infer_search *s, const palp_effect *start, bool renewed, infer_fit best[2],
+                         double *share) {
     infer_fit fit;
-    palp_status status = added_at(s, start, renewed, &fit);
+    double learned;
+    palp_status status = added_at(s, start, renewed, &fit, &learned);
     if (status)
         return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-    if (best[0].raw && fit.score > best[0].score) {
+    *share = fmax(*share, learned);
+    if (best[0].raw && fit.promised > best[0].promised) {
         take_better(&best[0], &best[1]);
         best[0] = fit;
     } else
@@ -103,6 +132,7 @@ static palp_status try_hum(const infer_search *s, infer_trial *t) {
         status = infer_fit_copy(&s->fit, &s->data, &t->fit);
     if (status)
         return status;
+    t->share = 1.0; /* it has no strength but the runs' own */
     t->fit.c.hum_Hz = hertz;
     t->fit.sizes.own[INFER_SINE] = t->fit.sizes.own[INFER_COSINE] = amplitude;
     return infer_fit_evaluate(&t->fit, &s->data);
@@ -111,14 +141,15 @@ static palp_status try_hum(const infer_search *s, infer_trial *t) {
 static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_trial *t) {
     const palp_effect_info *info = palp_effect_look_up(id);
     effect_starts starts;
+    const char *reason; /* why_not tells it in full */
     infer_fit best[2] = {{.raw = NULL}, {.raw = NULL}};
     if (!explain_carries(&s->fit.c.model, info) || (explain_has(&s->fit.c, id) && !info->repeats))
         return PALP_ERR_UNSUPPORTED;
-    palp_status status = explain_starts_find(id, &s->data, s->residual, &starts, &t->reason);
+    palp_status status = explain_starts_find(id, &s->data, s->residual, &starts, &reason);
     for (size_t i = 0; !status && i < starts.n; i++) {
-        status = enter(s, &starts.effect[i], s->fit.c.renewed, best);
+        status = enter(s, &starts.effect[i], s->fit.c.renewed, best, &t->share);
         if (!status && explain_may_recover(&s->data, id))
-            status = enter(s, &starts.effect[i], !s->fit.c.renewed, best);
+            status = enter(s, &starts.effect[i], !s->fit.c.renewed, best, &t->share);
     }
     for (int i = 0; i < 2 && !status; i++) /* what is an outlier without the effect need not be one with it */
         status = best[i].raw ? infer_tails_learn(&best[i], &s->data) : PALP_OK;
@@ -193,7 +224,7 @@ static void rank(const infer_search *s, infer_trial *t) {
         t->second = t->fit;
         t->fit = better;
     }
-    t->gain = t->fit.raw ? t->fit.score - s->fit.score - price(s) : -HUGE_VAL;
+    t->gain = t->fit.raw ? t->fit.score - s->fit.score - infer_price(s) : -HUGE_VAL;
 }
 
 static bool is_stopped(const infer_search *s, infer_trial *t) {
@@ -201,31 +232,6 @@ static bool is_stopped(const infer_search *s, infer_trial *t) {
     if (stop)
         t->status = PALP_ERR_STOPPED;
     return stop;
-}
-
-/* What the runs tell of the strength of the fit's last effect: the share of its prior variance that is gone.
- */
-static palp_status find_learned(const infer_fit *fit, const explain_data *data, double *learned) {
-    const palp_model *m = &fit->c.model;
-    const size_t k = fit->k, g = k + INFER_HATS, last = m->n_effects - 1;
-    const palp_effect_info *info = palp_effect_look_up(m->effects[last].id);
-    size_t at = explain_first_column(m, last);
-    for (size_t p = 0; p < info->n_parameters && !info->parameter[p].strength; p++)
-        at += p + 1 < info->n_parameters;
-    infer_posterior p = {.memory = NULL};
-    double log_det, *q = calloc(k * k + g, sizeof *q);
-    palp_status status = q ? infer_prior(fit, data, q, &log_det) : PALP_ERR_NO_MEMORY;
-    if (!status)
-        status = infer_posterior_find(fit, data, &p);
-    if (!status) {
-        double *unit = q + k * k;
-        unit[INFER_HATS + at] = 1.0;
-        dense_forward(g, p.factor, 1, unit);
-        *learned = 1.0 - dense_dot(g, unit, unit) * q[at * k + at];
-    }
-    infer_posterior_free(&p);
-    free(q);
-    return status;
 }
 
 /* How far the trial changes what is left, and what the runs tell of its strength. */
@@ -271,7 +277,7 @@ static void try_task(void *user, size_t i) {
 static palp_status settle_promising(const infer_search *s, infer_fit *fit) {
     const bool driven =
         fit->raw && fit->c.model.material.quasi_linear != s->fit.c.model.material.quasi_linear;
-    if (!fit->raw || !(driven || fit->score >= s->promising))
+    if (!fit->raw || !(driven || fit->promised >= s->promising))
         return PALP_OK;
     palp_status status = infer_fit_settle(fit, &s->data, 2, false);
     if (status)
@@ -323,7 +329,7 @@ static void finish_task(void *user, size_t i) {
 /* So many fits are settled, and so many finalists learn the noise too. */
 enum { SETTLED = 8, FINALISTS = 3 };
 
-/* The score of the last of the fits that promise most. */
+/* What the last of the fits that promise most promises. */
 static double find_promising(const infer_search *s) {
     double least = HUGE_VAL;
     for (int k = 0; k < SETTLED; k++) {
@@ -331,8 +337,8 @@ static double find_promising(const infer_search *s) {
         for (int i = 0; i < 2 * INFER_TRIALS; i++) {
             const infer_trial *t = &s->trial[i / 2];
             const infer_fit *fit = i % 2 ? &t->second : &t->fit;
-            if (fit->raw && fit->score < least)
-                next = fmax(next, fit->score);
+            if (fit->raw && fit->promised < least)
+                next = fmax(next, fit->promised);
         }
         least = next;
     }
@@ -371,13 +377,14 @@ palp_status infer_try_all(infer_search *s) {
 
 /* ---- sets ---- */
 
-/* The runs tell more of its strength than the prior does, and it is beyond the practical limit. */
-static bool is_shown(const infer_trial *t) {
-    return t->fit.raw && t->learned > 0.5;
+/* The runs tell more of a strength than its prior does. */
+static bool is_shown(double share) {
+    return share > 0.5;
 }
 
+/* And it is beyond the practical limit. */
 static bool may_be_named(const infer_search *s, const infer_trial *t) {
-    return is_shown(t) && t->explained > s->settings->good_enough * s->data.peak;
+    return t->fit.raw && is_shown(t->learned) && t->explained > s->settings->good_enough * s->data.peak;
 }
 
 /* INFER_TRIALS: there is none. */
@@ -397,23 +404,21 @@ static void take(infer_search *s, int id) {
     s->trial[id].fit.raw = NULL;
 }
 
-/* full's fit with this model in its place. Its sizes begin as full's are, or anew: an effect may have taken
- * some to nothing. */
-static palp_status settle_without(const infer_search *full, const palp_model *model, bool hum, bool anew,
+/* full's fit with this model in its place, in both ways: what was taken out may have taken some sizes to
+ * nothing. */
+static palp_status settle_without(const infer_search *full, const palp_model *model, bool hum,
                                   infer_fit *fit) {
+    enum { ROUNDS = 3 };
     palp_status status = infer_fit_create(model, &full->data, &full->fit, fit);
-    if (!status && anew) {
-        const double line = fit->sizes.own[INFER_SINE];
-        fit->sizes = infer_sizes_first(&full->data);
-        fit->sizes.own[INFER_SINE] = fit->sizes.own[INFER_COSINE] = line;
-    }
     if (!status && hum) {
         fit->c.hum_Hz = 0.0;
         fit->sizes.own[INFER_SINE] = fit->sizes.own[INFER_COSINE] = 0.0;
     }
     if (!status)
         status = infer_fit_evaluate(fit, &full->data);
-    return status ? status : infer_fit_settle(fit, &full->data, 3, true);
+    if (!status)
+        status = infer_fit_settle(fit, &full->data, ROUNDS, true);
+    return status ? status : infer_begin_anew(fit, &full->data);
 }
 
 palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest) {
@@ -431,15 +436,7 @@ palp_status infer_search_without(const infer_search *full, size_t i, infer_searc
     for (size_t k = at; k + 1 < model.n_effects; k++)
         model.effects[k] = model.effects[k + 1];
     model.n_effects -= !hum;
-    infer_fit anew = {.raw = NULL};
-    palp_status status = settle_without(full, &model, hum, false, &rest->fit);
-    if (!status)
-        status = settle_without(full, &model, hum, true, &anew);
-    if (!status)
-        take_better(&anew, &rest->fit);
-    else if (anew.raw)
-        infer_fit_free(&anew);
-    return status;
+    return settle_without(full, &model, hum, &rest->fit);
 }
 
 /* Takes out an effect that is not worth its price, or exchanges one for a better one. */
@@ -450,7 +447,7 @@ static palp_status review(infer_search *s, bool *changed) {
     for (size_t i = 0; i < n && !status && !*changed; i++) {
         infer_search rest;
         status = infer_search_without(s, i, &rest);
-        const double stays = status ? 0.0 : s->fit.score - price(s) - rest.fit.score;
+        const double stays = status ? 0.0 : s->fit.score - infer_price(s) - rest.fit.score;
         *changed = !status && stays < infer_threshold(s->settings);
         if (!status && !*changed && n > 1) {
             status = infer_try_all(&rest);
@@ -471,17 +468,36 @@ static palp_status review(infer_search *s, bool *changed) {
     return status;
 }
 
+palp_status infer_search_drop(infer_search *s) {
+    palp_status status = PALP_OK;
+    for (size_t i = infer_added(s); i-- > 0 && !status;) {
+        infer_search rest;
+        status = infer_search_without(s, i, &rest);
+        if (!status && s->fit.score - infer_price(s) - rest.fit.score < infer_threshold(s->settings)) {
+            infer_fit_free(&s->fit);
+            s->fit = rest.fit;
+            rest.fit.raw = NULL;
+            status = infer_fit_converge(&s->fit, &s->data);
+        }
+        infer_search_free(&rest);
+    }
+    return status;
+}
+
 /* ---- steps ---- */
 
-static const char *why_not(const infer_search *s, const infer_trial *t) {
-    if (t->reason)
-        return t->reason;
-    if (!is_shown(t))
-        return "these runs cannot show it";
+/* lack: [EFFECT_LACK_MAX], what the runs do not contain. */
+static const char *why_not(const infer_search *s, int id, char *lack) {
+    const infer_trial *t = &s->trial[id];
+    if (!is_shown(t->share)) {
+        const effect_data facts = explain_facts(&s->data);
+        return effect_need_met(effect_row_of((palp_effect_id)id), &facts, lack) ? "these runs cannot show it"
+                                                                                : lack;
+    }
     if (!(t->gain > 0.0))
         return "is less probable than nothing";
     if (!may_be_named(s, t))
-        return "explains less than the practical limit";
+        return is_shown(t->learned) ? "explains less than the practical limit" : "these runs cannot show it";
     return t->gain > infer_threshold(s->settings) ? "another effect is more probable"
                                                   : "is more probable than not, but not by enough";
 }
@@ -501,14 +517,15 @@ static palp_status keep_step(infer_search *s, int best) {
             continue;
         palp_explain_candidate *out = &step->candidate[step->n_candidates++];
         *out = (palp_explain_candidate){.id = (palp_effect_id)i,
-                                        .identifiable = is_shown(t),
-                                        .share = t->fit.raw ? t->learned : 0.0,
+                                        .identifiable = is_shown(t->share),
+                                        .share = t->share,
                                         .accepted = accepted,
                                         .score = t->fit.raw ? t->gain : 0.0,
                                         .explained_N = t->explained};
         out->unconfirmed = may_be_named(s, t) && !accepted && t->gain > 0.0;
+        char lack[EFFECT_LACK_MAX];
         if (!accepted)
-            snprintf(out->reason, sizeof out->reason, "%s", why_not(s, t));
+            snprintf(out->reason, sizeof out->reason, "%s", why_not(s, i, lack));
     }
     s->told += s->step_share;
     if (s->settings->progress)
@@ -532,6 +549,10 @@ palp_status infer_search_run(infer_search *s) {
             break;
         take(s, best);
         status = settle_with_noise(s, 2, &s->fit);
+        if (step == 0)
+            s->first = s->fit.score - infer_price(s);
+        if (!status)
+            status = infer_begin_anew(&s->fit, &s->data);
         if (!status)
             status = review(s, &changed);
     }

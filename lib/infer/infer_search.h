@@ -13,8 +13,8 @@ typedef struct infer_trial {
     infer_fit second; /* from another start, as long as either may be the better one; raw NULL: none */
     double gain;      /* in log evidence, less the logarithm of the number of candidates, nats */
     double explained; /* rms by which it changes what is left, N */
-    double learned;   /* share of its strength's prior variance that the runs take away */
-    const char *reason;
+    double learned;   /* share of its strength's prior variance that the runs take away, */
+    double share;     /* and the largest one at its starts beside the fit at hand */
     palp_status status;
 } infer_trial;
 
@@ -28,8 +28,9 @@ typedef struct infer_search {
     infer_fit fit;                  /* at hand */
     double *residual, *discrepancy; /* [data.n] of it */
     infer_trial trial[INFER_TRIALS];
-    double promising;  /* score of a trial's fit from which on it is settled */
+    double promising;  /* what a fit of a trial promises at least that is settled */
     double drive_gain; /* nats, of arms that are driven otherwise than the given ones; 0: they are not */
+    double first;      /* score of the fit with the first effect, less its price */
     size_t n_steps;
     palp_explain_step *step; /* [n_steps] */
     double step_share, told; /* of all work: a step is, and what was told */
@@ -41,12 +42,24 @@ typedef struct infer_search {
 /* Log odds above which a set of effects is preferred: that of no false alarm to one. */
 double infer_threshold(const palp_explain_settings *settings);
 
+/* What a candidate pays for being one of many, nats. */
+double infer_price(const infer_search *s);
+
 /* Adds each candidate to the fit at hand; their trials are freed first. */
 palp_status infer_try_all(infer_search *s);
 void infer_trials_free(infer_search *s);
 
 /* Adds effects as long as one is worth it, takes out those that are not, exchanges one for a better one. */
 palp_status infer_search_run(infer_search *s);
+
+/* Where a search has left a discrepancy or another law: each effect beside the model as given, without a
+ * discrepancy, and the search from the best of these if it is the better first one. base: the fit that the
+ * search began with. Keeps the more probable end. (infer_anew.c) */
+palp_status infer_search_anew(infer_search *s, const infer_fit *base);
+
+/* Takes out effects that are not worth their price any more, from the last to the first, as all of them have
+ * moved to their best place together. */
+palp_status infer_search_drop(infer_search *s);
 
 /* The search without added effect i; its trials are not done. */
 palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest);

@@ -68,12 +68,14 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
             break;
         last = fit->score;
     }
-    return status;
+    return status || !noise ? status : infer_fit_improve(fit, data, INFER_LAST);
 }
 
 palp_status infer_fit_converge(infer_fit *fit, const explain_data *data) {
     enum { ROUNDS = 12, EVALUATIONS = 10, SIZES = 20, NOISE = 100 };
     double last = fit->score;
+    for (size_t a = 0; a < fit->k; a++)
+        fit->scan[a].spread = 0.0; /* both parameters of a bond are looked at once more */
     infer_sizes_begin_anew(fit, data);
     palp_status status = infer_fit_products(fit, data);
     for (size_t i = 0; i < ROUNDS && !status; i++) {
@@ -101,7 +103,9 @@ static palp_status settle_all(infer_fit *fit, const explain_data *data) {
 
 static palp_status settle_parameters_first(infer_fit *fit, const explain_data *data) {
     enum { EVALUATIONS = 30 };
-    const infer_sizes sizes = infer_sizes_first(data);
+    infer_sizes sizes = infer_sizes_first(data);
+    sizes.own[INFER_SINE] = sizes.own[INFER_COSINE] = fit->sizes.own[INFER_SINE]; /* those of a line */
+    infer_noise_begin(fit, data);
     fit->sizes = sizes;
     memset(fit->sizes.common, 0, sizeof sizes.common);
     memset(fit->sizes.each, 0, sizeof sizes.each);
@@ -115,23 +119,53 @@ static palp_status settle_parameters_first(infer_fit *fit, const explain_data *d
     return status ? status : settle_all(fit, data);
 }
 
+palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t rounds) {
+    enum { EVALUATIONS = 4 };
+    memset(fit->sizes.common, 0, sizeof fit->sizes.common);
+    memset(fit->sizes.each, 0, sizeof fit->sizes.each);
+    palp_status status = infer_fit_evaluate(fit, data);
+    for (size_t i = 0; i <= rounds && !status; i++) {
+        infer_posterior p;
+        if (i > 0)
+            status = infer_fit_improve(fit, data, EVALUATIONS);
+        if (!status)
+            status = infer_posterior_find(fit, data, &p);
+        if (status)
+            break;
+        fit->noise.white *= sqrt(p.here / (double)explain_samples(data));
+        infer_posterior_free(&p);
+        status = infer_fit_products(fit, data);
+    }
+    return status ? status : infer_fit_score(fit, data);
+}
+
+/* Instead of a fit, settled with this status, the one that begins anew from the other's parameters, if that
+ * is more probable. The other is freed. */
+static palp_status settle_anew(infer_fit *fit, palp_status status, const explain_data *data,
+                               infer_fit *anew) {
+    const palp_status other = settle_parameters_first(anew, data);
+    if (!other && (status || anew->score > fit->score)) {
+        const infer_fit worse = *fit;
+        *fit = *anew;
+        *anew = worse;
+        status = PALP_OK;
+    }
+    infer_fit_free(anew);
+    return status;
+}
+
 static palp_status begin_in_two_ways(infer_fit *fit, const explain_data *data) {
     infer_fit anew;
     palp_status status = infer_fit_evaluate(fit, data);
     if (!status)
         status = infer_fit_copy(fit, data, &anew);
-    if (status)
-        return status;
-    status = settle_all(fit, data);
-    const palp_status other = settle_parameters_first(&anew, data);
-    if (!other && (status || anew.score > fit->score)) {
-        const infer_fit worse = *fit;
-        *fit = anew;
-        anew = worse;
-        status = PALP_OK;
-    }
-    infer_fit_free(&anew);
-    return status;
+    return status ? status : settle_anew(fit, settle_all(fit, data), data, &anew);
+}
+
+palp_status infer_begin_anew(infer_fit *fit, const explain_data *data) {
+    infer_fit anew;
+    palp_status status = infer_fit_copy(fit, data, &anew);
+    return status ? status : settle_anew(fit, PALP_OK, data, &anew);
 }
 
 palp_status infer_begin(infer_fit *fit, const explain_data *data) {
@@ -145,6 +179,7 @@ palp_status infer_begin(infer_fit *fit, const explain_data *data) {
         status = infer_fit_create_as(&model, data, NULL, &coarse);
     if (status)
         return status;
+    coarse.c.renewed = fit->c.renewed;
     status = begin_in_two_ways(&coarse, data);
     if (!status) {
         model = coarse.c.model;

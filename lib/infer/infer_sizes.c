@@ -209,18 +209,19 @@ static double try_noise(unsigned n, const double *x, double *gradient, void *use
         s->status = status;
     if (status)
         return HUGE_VAL;
-    if (s->fit->score > s->score) {
-        s->score = s->fit->score;
+    if (s->fit->promised > s->score) {
+        s->score = s->fit->promised;
         s->best = s->fit->noise;
     }
-    return -s->fit->score;
+    return -s->fit->promised;
 }
 
 palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool near) {
     palp_status status = infer_tails_learn(fit, data);
     if (status)
         return status;
-    noise_search s = {.fit = fit, .data = data, .start = fit->noise, .best = fit->noise, .score = fit->score};
+    noise_search s = {
+        .fit = fit, .data = data, .start = fit->noise, .best = fit->noise, .score = fit->promised};
     const unsigned n = fit->noise.encoder > 0.0 ? NOISES : NOISES - 1;
     double x[NOISES], low[NOISES], high[NOISES], step[NOISES], value;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));

@@ -1,25 +1,28 @@
 /* infer_specimens.c: how the stiffnesses of the specimens scatter, as the caller gets it. */
-#include "explain/explain_result.h"
 #include "infer_search.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { GRID = 120 }; /* sizes of the scatter, evenly in the logarithm */
 
-/* The 2.5 % and 97.5 % points of the scatter's posterior. Its prior is even in the logarithm, as that of all
- * sizes; with b_s known exactly this is the interval of chi squared. */
+/* The 2.5 % and 97.5 % points of the posterior of the law's scatter, of which the factor on all stiffnesses
+ * and that on the law alone keep their shares. Its prior is even in the logarithm, as that of all sizes; with
+ * b_s known exactly this is the interval of chi squared. */
 static palp_status find_interval(const infer_search *s, palp_explain_specimens *out) {
     infer_fit fit = s->fit; /* its sizes alone change */
     const double least = fit.noise.white / sqrt((double)explain_samples(&s->data)) / s->data.peak;
     const double from = log(least), step = (log(20.0) - from) / GRID;
     double score[GRID + 1], best = -HUGE_VAL, all = 0.0, sum = 0.0;
     for (size_t i = 0; i <= GRID; i++) {
-        fit.sizes.specimen[INFER_STIFFNESS] = exp(from + step * (double)i);
+        const double ratio = exp(from + step * (double)i) / out->sd;
+        fit.sizes.specimen[INFER_STIFFNESS] = ratio * s->fit.sizes.specimen[INFER_STIFFNESS];
+        fit.sizes.specimen[INFER_LAW] = ratio * s->fit.sizes.specimen[INFER_LAW];
         const palp_status status = infer_fit_score(&fit, &s->data);
         if (status)
             return status;
-        score[i] = fit.score;
-        best = fmax(best, fit.score);
+        score[i] = fit.promised;
+        best = fmax(best, fit.promised);
     }
     for (size_t i = 0; i <= GRID; i++)
         all += exp(score[i] - best);
@@ -62,13 +65,26 @@ static palp_status as_one(const infer_search *s, palp_explain_specimens *out) {
 palp_status infer_spread_find(const infer_search *s, palp_explain_specimens *out) {
     palp_status status = PALP_OK;
     out->n = s->data.n_specimens;
-    out->sd = out->n > 1 ? s->fit.sizes.specimen[INFER_STIFFNESS] : 0.0;
+    out->sd = out->n > 1 ? infer_law_sd(&s->fit.sizes) : 0.0;
     if (out->sd > 0.0)
         status = find_interval(s, out);
     if (!status && out->sd > 0.0)
         status = as_one(s, out);
     out->found = out->evidence > infer_threshold(s->settings);
     return status;
+}
+
+/* Covariance between specimens of the law's coefficients and the arms. */
+static palp_status find_between(const infer_fit *fit, double **between) {
+    const palp_material *material = &fit->c.model.material;
+    const size_t n = material->law.n + 2 * material->n_arms;
+    double square[INFER_SPECIMEN * INFER_SPECIMEN];
+    *between = calloc(n * n, sizeof **between);
+    if (!*between)
+        return PALP_ERR_NO_MEMORY;
+    infer_specimen_variances(&fit->sizes, 1.0, square);
+    infer_specimen_spread(material, square, n, *between);
+    return PALP_OK;
 }
 
 palp_status infer_specimens_find(const infer_search *s, palp_explanation *e) {
@@ -82,8 +98,8 @@ palp_status infer_specimens_find(const infer_search *s, palp_explanation *e) {
         double own[INFER_SPECIMEN];
         status = infer_specimen_own(&p, r, own, NULL);
         if (!status)
-            e->run[r].stiffness = exp(own[INFER_STIFFNESS]);
+            e->run[r].stiffness = infer_law_factor(own);
     }
     infer_posterior_free(&p);
-    return status || !out->found ? status : explain_between_find(&s->fit.c.model.material, out->sd, 0.0, e);
+    return status || !out->found ? status : find_between(&s->fit, &out->between);
 }

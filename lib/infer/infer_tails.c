@@ -106,7 +106,7 @@ palp_status infer_tails_learn(infer_fit *fit, const explain_data *data) {
     const size_t n = data->n;
     double *left = malloc((4 * n + (INFER_FILTER + 2) * data->longest + INFER_STATES) * sizeof *left);
     infer_sample *was = malloc(n * sizeof *was);
-    const double freedom = fit->noise.freedom, score = fit->score;
+    const double freedom = fit->noise.freedom, promised = fit->promised;
     palp_status status = left && was ? find_left(fit, data, left) : PALP_ERR_NO_MEMORY;
     if (!status)
         memcpy(was, fit->sample, n * sizeof *was);
@@ -116,7 +116,7 @@ palp_status infer_tails_learn(infer_fit *fit, const explain_data *data) {
         status = infer_fit_products(fit, data);
         if (!status)
             status = infer_fit_score(fit, data);
-        if (status || fit->score >= score)
+        if (status || fit->promised >= promised)
             break;
         memcpy(fit->sample, was, n * sizeof *was);
         fit->noise.freedom = freedom;

@@ -54,12 +54,12 @@ START_TEST(a_run_left_out_has_the_evidence_it_adds) {
     ck_assert_int_eq(infer_leave_out(&s.fit, &s.data, &left), PALP_OK);
     ck_assert_uint_eq(left.n, RUNS);
     ck_assert_double_eq_tol(left.rms_N, 5e-3, 1e-3);
-    const double all = s.fit.score;
+    const double all = s.fit.promised;
     for (size_t r = 0; r < RUNS; r++) {
         s.data.run[r].held_out = true;
         ck_assert_int_eq(infer_fit_products(&s.fit, &s.data), PALP_OK);
         ck_assert_int_eq(infer_fit_score(&s.fit, &s.data), PALP_OK);
-        ck_assert_double_eq_tol(left.score[r], all - s.fit.score, 1e-6 * fabs(all));
+        ck_assert_double_eq_tol(left.score[r], all - s.fit.promised, 1e-6 * fabs(all));
         s.data.run[r].held_out = false;
     }
     infer_left_out_free(&left);

@@ -10,6 +10,7 @@ static const double SPREAD = 0.2, FRICTION = 0.02;
 
 static palp_explain_input input[RUNS];
 static double factor[RUNS], friction;
+static bool law_alone; /* the arms are alike */
 
 /* A press, a dwell and a withdrawal to the same strain at two speeds. */
 static void record(uint64_t noise) {
@@ -21,8 +22,8 @@ static void record(uint64_t noise) {
         factor[r] = exp(SPREAD * palp_random_normal(&noise));
         m.height_m *= height;
         ck_assert_int_eq(palp_law_scale(&m.material.law, area * factor[r], &m.material.law), PALP_OK);
-        m.material.arms[0].stiffness_N *= area * factor[r];
-        m.material.arms[0].viscosity_Ns *= area * factor[r];
+        m.material.arms[0].stiffness_N *= area * (law_alone ? 1 : factor[r]);
+        m.material.arms[0].viscosity_Ns *= area * (law_alone ? 1 : factor[r]);
         start(&s, 0, -1);
         for (size_t i = 1; i < EACH; i++) {
             const double up = (double)i / (20 + 25 * (double)(r % 2)), down = (EACH - 15.0 - (double)i) / 40;
@@ -52,6 +53,7 @@ START_TEST(an_effect_in_specimens_that_differ) {
     palp_explain_settings s = palp_explain_settings_default();
     memset(s.candidate, 0, sizeof s.candidate);
     friction = FRICTION;
+    law_alone = false;
     s.candidate[PALP_EFFECT_COULOMB_FRICTION] = s.candidate[PALP_EFFECT_SENSOR_DRIFT] = true;
     record(7);
     ck_assert_msg(palp_infer(&m, RUNS, input, &s, &e, &error) == PALP_OK, "%s", error.text);
@@ -72,6 +74,35 @@ START_TEST(an_effect_in_specimens_that_differ) {
     for (size_t r = 1; r < RUNS; r++) /* the mean belongs to the law */
         ck_assert_double_eq_tol(e.run[r].stiffness / e.run[0].stiffness, factor[r] / factor[0],
                                 0.05 * factor[r] / factor[0]);
+    palp_explanation_free(&e);
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+END_TEST
+
+/* Their laws alone differ, which no one factor on all stiffnesses follows: nothing is accused of it, and the
+ * spread is the laws'. */
+START_TEST(laws_of_their_own_are_no_effect) {
+    palp_model m = lumped_model(1);
+    palp_explanation e;
+    palp_error error = {.text = ""};
+    palp_explain_settings s = palp_explain_settings_default();
+    memset(s.candidate, 0, sizeof s.candidate);
+    s.candidate[PALP_EFFECT_COULOMB_FRICTION] = s.candidate[PALP_EFFECT_SENSOR_LAG] = true;
+    friction = 0;
+    law_alone = true;
+    record(7);
+    ck_assert_msg(palp_infer(&m, RUNS, input, &s, &e, &error) == PALP_OK, "%s", error.text);
+    ck_assert_uint_eq(e.n_effects, 0);
+    ck_assert(e.specimens.found && !e.gain.found);
+    for (size_t r = 1; r < RUNS; r++)
+        ck_assert_double_eq_tol(e.run[r].stiffness / e.run[0].stiffness, factor[r] / factor[0],
+                                0.05 * factor[r] / factor[0]);
+    const size_t n = e.model.material.law.n + 2, arm = n - 2;
+    const double spring = e.model.between[0] / pow(e.model.material.law.coefficients[0], 2),
+                 own = e.model.between[arm * (n + 1)] / pow(e.model.material.arms[0].stiffness_N, 2);
+    ck_assert_double_eq_tol(sqrt(spring), e.specimens.sd, 1e-6);
+    ck_assert_double_lt(sqrt(own), 0.1 * e.specimens.sd);
     palp_explanation_free(&e);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
@@ -123,4 +154,5 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, the_mean_of_specimens);
     tcase_add_test(tc, an_effect_in_specimens_that_differ);
+    tcase_add_test(tc, laws_of_their_own_are_no_effect);
 }
