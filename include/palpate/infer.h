@@ -12,12 +12,12 @@ extern "C" {
 #endif
 
 /* As palp_explain. The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the
- * law of the given family that is nearest. Of the explanation it leaves the specimens at 0.
- * candidate.score and evidence are log odds and gains of log evidence, nats; candidate.share is how much of
- * the prior variance of its strength the runs take away, and one that keeps half of it is not identifiable.
- * evidence_se is paired over what is left out in turn: each run, or each eighth of a single one. An effect
- * that does not help to predict that is not accepted. Settings that it does not use: repeatability,
- * contact_scatter_m, seed. */
+ * law of the given family that is nearest. candidate.score and evidence are log odds and gains of log
+ * evidence, nats. candidate.share is how much of the prior variance of its strength the runs take away,
+ * beside what was found; a candidate of which they take less than half is not identifiable. evidence_se is
+ * paired over what is left out in turn: each run, or each eighth of a single one. An effect that does not
+ * help to predict that is not accepted. Settings that it does not use: repeatability, contact_scatter_m,
+ * seed. */
 PALP_API palp_status palp_infer(const palp_model *model, size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, palp_explanation *explanation,
                                 palp_error *error);

@@ -19,17 +19,12 @@ static palp_status is_left(const infer_search *s, bool *left) {
     *left = !status && (s->drive_gain > 0.0 || nats > threshold);
     if (status || *left)
         return status;
-    status = infer_fit_copy(&s->fit, &s->data, &without);
+    status = infer_without_discrepancy(s, &without);
     if (status)
         return status;
-    memset(without.sizes.common, 0, sizeof without.sizes.common);
-    memset(without.sizes.each, 0, sizeof without.sizes.each);
-    status = infer_fit_products(&without, &s->data);
-    if (!status)
-        status = infer_fit_score(&without, &s->data);
     nats = s->fit.promised - without.promised; /* with other noise it is less */
     infer_fit_free(&without);
-    if (!status && nats > threshold)
+    if (nats > threshold)
         status = infer_discrepancy_weigh(s, &nats);
     *left = nats > threshold;
     return status;
@@ -43,6 +38,13 @@ typedef struct anew {
     infer_fit fit[PALP_EFFECT_COUNT]; /* raw NULL: there is none */
     palp_status status[PALP_EFFECT_COUNT];
 } anew;
+
+/* A fit that came to this status: where it cannot be had there is none. */
+static palp_status keep_if_had(infer_fit *fit, palp_status status) {
+    if (status && fit->raw)
+        infer_fit_free(fit);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
 
 /* Keeps the start that leaves least. */
 static palp_status enter(const anew *a, const palp_effect *start, infer_fit *best) {
@@ -83,9 +85,7 @@ static void try_anew(void *user, size_t i) {
         status = enter(a, &starts.effect[k], best);
     if (!status && best->raw)
         status = infer_fit_anneal(best, &s->data, ROUNDS);
-    if (status && best->raw)
-        infer_fit_free(best);
-    a->status[i] = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    a->status[i] = keep_if_had(best, status);
 }
 
 /* PALP_EFFECT_COUNT: there is none below this score. */
@@ -109,12 +109,15 @@ static palp_status find_best(anew *a, int *best) {
     for (int k = 0; k < FINALISTS; k++)
         finalist[k] = i = best_below(a, i == PALP_EFFECT_COUNT ? HUGE_VAL : a->fit[i].score);
     for (int k = 0; k < FINALISTS && finalist[k] != PALP_EFFECT_COUNT && !status; k++)
-        status = infer_fit_anneal(&a->fit[finalist[k]], data, ROUNDS);
+        status = keep_if_had(&a->fit[finalist[k]], infer_fit_anneal(&a->fit[finalist[k]], data, ROUNDS));
     *best = best_below(a, HUGE_VAL);
     if (status || *best == PALP_EFFECT_COUNT)
         return status;
-    status = infer_noise_learn(&a->fit[*best], data, 60, false);
-    return status ? status : infer_fit_settle(&a->fit[*best], data, 2, true);
+    infer_fit *fit = &a->fit[*best];
+    status = infer_noise_learn(fit, data, 60, false);
+    status = keep_if_had(fit, status ? status : infer_fit_settle(fit, data, 2, true));
+    *best = fit->raw ? *best : PALP_EFFECT_COUNT;
+    return status;
 }
 
 /* ---- the search from there ---- */

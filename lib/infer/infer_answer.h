@@ -48,6 +48,9 @@ palp_status infer_before_find(const infer_search *s, double *residual);
 /* Zeros, contacts and gains of the runs about their means, each with its evidence. */
 palp_status infer_scatter_find(const infer_search *s, palp_explanation *e);
 
+/* The fit at hand with its discrepancy left out, all else as it is; the caller's to free. */
+palp_status infer_without_discrepancy(const infer_search *s, infer_fit *without);
+
 /* Evidence of the discrepancy of the fit at hand, nats. */
 palp_status infer_discrepancy_weigh(const infer_search *s, double *nats);
 

@@ -124,64 +124,83 @@ static palp_status find_least(const infer_search *s, const bool common[INFER_GAI
     return status;
 }
 
+/* What the three kinds are judged by: the runs' own, and the least rms that they leave all together. */
+typedef struct scatters {
+    double mean[INFER_OWN], square[INFER_OWN], with;
+    bool known;   /* with is */
+    double *work; /* [2 data.n] */
+} scatters;
+
 /* What the runs have of their own of one kind, beside one of it for all of them. */
-static palp_status find_scatter(const infer_search *s, int which, palp_explain_scatter *out) {
-    double mean[INFER_OWN], square[INFER_OWN];
+static palp_status find_scatter(const infer_search *s, int which, const scatters *all,
+                                palp_explain_scatter *out) {
     bool common[INFER_GAIN + 1] = {false};
     common[which] = true;
-    *out = (palp_explain_scatter){.without_N = explain_fitted_rms(&s->data, s->residual)};
-    palp_status status = find_means(s, mean, square);
-    if (status || !(s->fit.sizes.own[which] > 0.0))
-        return status;
+    const double left = explain_fitted_rms(&s->data, s->residual);
+    *out = (palp_explain_scatter){.without_N = left};
+    if (!(s->fit.sizes.own[which] > 0.0))
+        return PALP_OK;
     const double told = which == INFER_CONTACT ? (double)s->data.n_contact_told : 0.0;
     const double freedom = (double)explain_fitted_runs(&s->data) - 1.0 + told;
-    out->sd = sqrt((square[which] + told * pow(s->data.contact_told, 2.0)) / fmax(1.0, freedom));
-    const double left = out->without_N;
-    static const bool none[INFER_GAIN + 1] = {false};
-    double with, least;
+    out->sd = sqrt((all->square[which] + told * pow(s->data.contact_told, 2.0)) / fmax(1.0, freedom));
+    if (!all->known)
+        return PALP_OK;
+    double least;
     infer_fit without = {.raw = NULL};
-    double *work = malloc(2 * s->data.n * sizeof *work);
-    status = work ? fit_in_common(s, common, learn_without, mean, &without) : PALP_ERR_NO_MEMORY;
+    palp_status status = fit_in_common(s, common, learn_without, all->mean, &without);
     if (!status)
-        status = find_least(s, none, mean, work, &with);
-    if (!status)
-        status = find_least(s, common, mean, work, &least);
+        status = find_least(s, common, all->mean, all->work, &least);
     if (!status) {
-        out->without_N = sqrt(left * left + fmax(0.0, least * least - with * with));
+        out->without_N = sqrt(left * left + fmax(0.0, least * least - all->with * all->with));
         out->evidence = s->fit.score - without.score;
         out->found = out->evidence > infer_threshold(s->settings) && out->without_N > left;
     }
     if (without.raw)
         infer_fit_free(&without);
-    free(work);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
 palp_status infer_scatter_find(const infer_search *s, palp_explanation *e) {
-    palp_status status = PALP_OK;
+    static const bool none[INFER_GAIN + 1] = {false};
+    palp_explain_scatter *const out[INFER_GAIN + 1] = {&e->zero, &e->contact, &e->gain};
     if (s->data.n_runs < 2) /* nothing to scatter about */
         return PALP_OK;
-    status = find_scatter(s, INFER_ZERO, &e->zero);
-    if (!status)
-        status = find_scatter(s, INFER_CONTACT, &e->contact);
-    return status ? status : find_scatter(s, INFER_GAIN, &e->gain);
+    scatters all = {.work = malloc(2 * s->data.n * sizeof *all.work)};
+    palp_status status = all.work ? find_means(s, all.mean, all.square) : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        status = find_least(s, none, all.mean, all.work, &all.with);
+        all.known = !status;
+        status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    }
+    for (int which = 0; which <= INFER_GAIN && !status; which++)
+        status = find_scatter(s, which, &all, out[which]);
+    free(all.work);
+    return status;
 }
 
 /* ---- the discrepancy ---- */
 
+palp_status infer_without_discrepancy(const infer_search *s, infer_fit *without) {
+    palp_status status = infer_fit_copy(&s->fit, &s->data, without);
+    if (status)
+        return status;
+    memset(without->sizes.common, 0, sizeof without->sizes.common);
+    memset(without->sizes.each, 0, sizeof without->sizes.each);
+    status = infer_fit_products(without, &s->data);
+    if (!status)
+        status = infer_fit_score(without, &s->data);
+    if (status)
+        infer_fit_free(without);
+    return status;
+}
+
 /* Evidence of the discrepancy: what the fit loses without it, its noise learned anew, nats. */
 static palp_status find_evidence(const infer_search *s, double *nats) {
     infer_fit without;
-    palp_status status = infer_fit_copy(&s->fit, &s->data, &without);
+    palp_status status = infer_without_discrepancy(s, &without);
     if (status)
         return status;
-    memset(without.sizes.common, 0, sizeof without.sizes.common);
-    memset(without.sizes.each, 0, sizeof without.sizes.each);
-    status = infer_fit_products(&without, &s->data);
-    if (!status)
-        status = infer_fit_score(&without, &s->data);
-    if (!status)
-        status = infer_noise_learn(&without, &s->data, 100, false);
+    status = infer_noise_learn(&without, &s->data, 100, false);
     *nats = s->fit.promised - without.promised;
     infer_fit_free(&without);
     return status;

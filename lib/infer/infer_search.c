@@ -439,6 +439,18 @@ palp_status infer_search_without(const infer_search *full, size_t i, infer_searc
     return settle_without(full, &model, hum, &rest->fit);
 }
 
+/* What an effect is worth beside the fit at hand, if this is the search without it; nats. */
+static double worth_over(const infer_search *s, const infer_search *rest) {
+    return s->fit.score - infer_price(s) - rest->fit.score;
+}
+
+static void go_on_from(infer_search *s, infer_search *rest) {
+    infer_fit_free(&s->fit);
+    s->fit = rest->fit;
+    s->drive_gain = rest->drive_gain;
+    rest->fit.raw = NULL;
+}
+
 /* Takes out an effect that is not worth its price, or exchanges one for a better one. */
 static palp_status review(infer_search *s, bool *changed) {
     palp_status status = PALP_OK;
@@ -447,7 +459,7 @@ static palp_status review(infer_search *s, bool *changed) {
     for (size_t i = 0; i < n && !status && !*changed; i++) {
         infer_search rest;
         status = infer_search_without(s, i, &rest);
-        const double stays = status ? 0.0 : s->fit.score - infer_price(s) - rest.fit.score;
+        const double stays = status ? 0.0 : worth_over(s, &rest);
         *changed = !status && stays < infer_threshold(s->settings);
         if (!status && !*changed && n > 1) {
             status = infer_try_all(&rest);
@@ -457,12 +469,8 @@ static palp_status review(infer_search *s, bool *changed) {
             if (*changed)
                 take(&rest, best);
         }
-        if (*changed) {
-            infer_fit_free(&s->fit);
-            s->fit = rest.fit;
-            s->drive_gain = rest.drive_gain;
-            rest.fit.raw = NULL;
-        }
+        if (*changed)
+            go_on_from(s, &rest);
         infer_search_free(&rest);
     }
     return status;
@@ -473,10 +481,8 @@ palp_status infer_search_drop(infer_search *s) {
     for (size_t i = infer_added(s); i-- > 0 && !status;) {
         infer_search rest;
         status = infer_search_without(s, i, &rest);
-        if (!status && s->fit.score - infer_price(s) - rest.fit.score < infer_threshold(s->settings)) {
-            infer_fit_free(&s->fit);
-            s->fit = rest.fit;
-            rest.fit.raw = NULL;
+        if (!status && worth_over(s, &rest) < infer_threshold(s->settings)) {
+            go_on_from(s, &rest);
             status = infer_fit_converge(&s->fit, &s->data);
         }
         infer_search_free(&rest);

@@ -44,19 +44,31 @@ static void record(uint64_t noise) {
     }
 }
 
-/* The friction is found as in one specimen; the spread, its interval and the specimens' factors
- * are those of the factors that were drawn: a sample's, which are far better known than their population. */
-START_TEST(an_effect_in_specimens_that_differ) {
-    palp_model m = lumped_model(1);
+static void forget(void) {
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+/* The answer where friction and one more effect are candidates. */
+static palp_explanation explain(palp_effect_id other) {
+    const palp_model m = lumped_model(1);
     palp_explanation e;
     palp_error error = {.text = ""};
     palp_explain_settings s = palp_explain_settings_default();
     memset(s.candidate, 0, sizeof s.candidate);
-    friction = FRICTION;
-    law_alone = false;
-    s.candidate[PALP_EFFECT_COULOMB_FRICTION] = s.candidate[PALP_EFFECT_SENSOR_DRIFT] = true;
+    s.candidate[PALP_EFFECT_COULOMB_FRICTION] = s.candidate[other] = true;
     record(7);
     ck_assert_msg(palp_infer(&m, RUNS, input, &s, &e, &error) == PALP_OK, "%s", error.text);
+    forget();
+    return e;
+}
+
+/* The friction is found as in one specimen; the spread, its interval and the specimens' factors
+ * are those of the factors that were drawn: a sample's, which are far better known than their population. */
+START_TEST(an_effect_in_specimens_that_differ) {
+    friction = FRICTION;
+    law_alone = false;
+    palp_explanation e = explain(PALP_EFFECT_SENSOR_DRIFT);
     ck_assert_uint_eq(e.n_effects, 1);
     ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_COULOMB_FRICTION);
     ck_assert_double_eq_tol(e.effect[0].effect.value[0], FRICTION, 0.2 * FRICTION);
@@ -75,24 +87,15 @@ START_TEST(an_effect_in_specimens_that_differ) {
         ck_assert_double_eq_tol(e.run[r].stiffness / e.run[0].stiffness, factor[r] / factor[0],
                                 0.05 * factor[r] / factor[0]);
     palp_explanation_free(&e);
-    for (size_t r = 0; r < RUNS; r++)
-        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
 }
 END_TEST
 
 /* Their laws alone differ, which no one factor on all stiffnesses follows: nothing is accused of it, and the
  * spread is the laws'. */
 START_TEST(laws_of_their_own_are_no_effect) {
-    palp_model m = lumped_model(1);
-    palp_explanation e;
-    palp_error error = {.text = ""};
-    palp_explain_settings s = palp_explain_settings_default();
-    memset(s.candidate, 0, sizeof s.candidate);
-    s.candidate[PALP_EFFECT_COULOMB_FRICTION] = s.candidate[PALP_EFFECT_SENSOR_LAG] = true;
     friction = 0;
     law_alone = true;
-    record(7);
-    ck_assert_msg(palp_infer(&m, RUNS, input, &s, &e, &error) == PALP_OK, "%s", error.text);
+    palp_explanation e = explain(PALP_EFFECT_SENSOR_LAG);
     ck_assert_uint_eq(e.n_effects, 0);
     ck_assert(e.specimens.found && !e.gain.found);
     for (size_t r = 1; r < RUNS; r++)
@@ -104,8 +107,6 @@ START_TEST(laws_of_their_own_are_no_effect) {
     ck_assert_double_eq_tol(sqrt(spring), e.specimens.sd, 1e-6);
     ck_assert_double_lt(sqrt(own), 0.1 * e.specimens.sd);
     palp_explanation_free(&e);
-    for (size_t r = 0; r < RUNS; r++)
-        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
 }
 END_TEST
 
@@ -120,6 +121,8 @@ START_TEST(the_mean_of_specimens) {
     palp_specimens_fit fit;
     palp_specimens_point point;
     palp_error error = {.text = ""};
+    friction = 0;
+    law_alone = false;
     record(7);
     ck_assert_msg(palp_infer_material(&specimen, RUNS, input, &s, &choice, &fit, &error) == PALP_OK, "%s",
                   error.text);
@@ -146,8 +149,7 @@ START_TEST(the_mean_of_specimens) {
     ck_assert_double_gt(point.sd_N, point.between_N / sqrt(RUNS));
     ck_assert_double_lt(point.sd_N, 2 * point.between_N / sqrt(RUNS));
     palp_specimens_fit_free(&fit);
-    for (size_t r = 0; r < RUNS; r++)
-        palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+    forget();
 }
 END_TEST
 
