@@ -12,22 +12,38 @@ static palp_status wave_in_depth(const effect_data *facts, double wave[3]) {
     return explain_line_in_depth(facts->runs, facts->residual, &wave[0], &wave[1], &wave[2]);
 }
 
-palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual,
-                                effect_starts *s, const char **reason) {
+/* Without these an effect has no place to start from, or no column. */
+static bool can_start(const effect_row *row, const effect_data *facts) {
+    const bool needed = row->need == EFFECT_NEEDS_WITHDRAWAL || row->need == EFFECT_NEEDS_PERIODS ||
+                        row->need == EFFECT_NEEDS_COLUMN || row->need == EFFECT_NEEDS_WEIGHT;
+    char lack[EFFECT_LACK_MAX];
+    return !needed || effect_need_met(row, facts, lack);
+}
+
+palp_status explain_starts_of(palp_effect_id id, const explain_data *data, const double *residual,
+                              effect_starts *s) {
     const effect_row *row = effect_row_of(id);
     effect_data facts = explain_facts(data);
     facts.residual = residual;
     facts.wave_in_depth = wave_in_depth;
     *s = (effect_starts){.id = id};
-    char lack[EFFECT_LACK_MAX];
-    if (!effect_need_met(row, &facts, lack)) {
-        *reason = "the runs lack what it needs";
+    if (!can_start(row, &facts))
         return PALP_ERR_UNSUPPORTED;
-    }
     if (row->starts)
         return row->starts(&facts, s);
     effect_start_at(s, 0.0, 0.0, 0.0);
     return PALP_OK;
+}
+
+palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual,
+                                effect_starts *s, const char **reason) {
+    const effect_data facts = explain_facts(data);
+    char lack[EFFECT_LACK_MAX];
+    if (effect_need_met(effect_row_of(id), &facts, lack))
+        return explain_starts_of(id, data, residual, s);
+    *s = (effect_starts){.id = id};
+    *reason = "the runs lack what it needs";
+    return PALP_ERR_UNSUPPORTED;
 }
 
 /* A strong effect may have led the plain model's own parameters and the contacts astray: those as given, and

@@ -69,7 +69,6 @@ typedef struct explain_data {
     explain_frame frame;
     bool contacts_alike;     /* no run has a contact of its own */
     bool contacts_average_0; /* exactly, over the runs that are fitted */
-    bool law_first;          /* a common discrepancy is what no step of the law follows */
     size_t n_contact_told;   /* runs that say how exact their contact is, */
     double contact_told;     /* and the root of the mean of its squares, m */
     size_t n_events;

@@ -24,7 +24,12 @@ void explain_multistart_free(explain_multistart *m);
 
 bool explain_has(const explain_fit *fit, palp_effect_id id);
 
-/* Where an effect's search starts. ERR_UNSUPPORTED: these runs cannot have it (reason). */
+/* Where an effect's search starts, whatever the paths of the plate show of it. ERR_UNSUPPORTED: these runs
+ * cannot have it. */
+palp_status explain_starts_of(palp_effect_id id, const explain_data *data, const double *residual,
+                              effect_starts *s);
+
+/* The same where the paths show it too. ERR_UNSUPPORTED: these runs cannot have it (reason). */
 palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual,
                                 effect_starts *s, const char **reason);
 

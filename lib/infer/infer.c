@@ -227,6 +227,8 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
         status = infer_search_drop(s);
     if (!status)
         status = infer_keep_given_arms(s);
+    if (!status)
+        status = infer_discrepancy_drop(s, &e->discrepancy.evidence);
     tell(s, INFER_SEARCH_SHARE - s->told);
     if (status)
         return status;

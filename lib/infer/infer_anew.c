@@ -46,24 +46,45 @@ static palp_status keep_if_had(infer_fit *fit, palp_status status) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* Keeps the start that leaves least. */
-static palp_status enter(const anew *a, const palp_effect *start, infer_fit *best) {
-    const infer_search *s = a->s;
-    palp_model model = a->base->c.model;
-    infer_fit fit;
+/* The model as given, beside this effect (NULL: none), without a discrepancy. */
+static palp_status begin(const infer_search *s, const infer_fit *base, const palp_effect *start,
+                         size_t rounds, infer_fit *fit) {
+    palp_model model = base->c.model;
     model.material = s->data.given->material;
-    model.effects[model.n_effects++] = *start;
-    palp_status status = infer_fit_create(&model, &s->data, NULL, &fit);
+    if (start)
+        model.effects[model.n_effects++] = *start;
+    palp_status status = infer_fit_create(&model, &s->data, NULL, fit);
     if (status)
         return status;
-    fit.c.renewed = a->base->c.renewed;
-    status = infer_fit_anneal(&fit, &s->data, 0);
+    fit->c.renewed = base->c.renewed;
+    status = infer_fit_anneal(fit, &s->data, rounds);
+    if (status)
+        infer_fit_free(fit);
+    return status;
+}
+
+/* What the model as given leaves: effects begin at that. Where it has no such fit, they begin at what the
+ * search has left. */
+static palp_status find_residual(infer_search *s, const infer_fit *base) {
+    infer_fit fit;
+    palp_status status = begin(s, base, NULL, 2 * ROUNDS, &fit);
+    if (status)
+        return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    status = infer_residual(&fit, &s->data, s->residual, s->discrepancy);
+    infer_fit_free(&fit);
+    return status;
+}
+
+/* Keeps the start that leaves least. */
+static palp_status enter(const anew *a, const palp_effect *start, infer_fit *best) {
+    infer_fit fit;
+    const palp_status status = begin(a->s, a->base, start, 0, &fit);
     if (!status && (!best->raw || fit.noise.white < best->noise.white)) {
         const infer_fit worse = *best;
         *best = fit;
         fit = worse;
     }
-    if (fit.raw)
+    if (!status && fit.raw)
         infer_fit_free(&fit);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
@@ -75,11 +96,10 @@ static void try_anew(void *user, size_t i) {
     const palp_effect_info *info = palp_effect_look_up(id);
     infer_fit *best = &a->fit[i];
     effect_starts starts;
-    const char *reason;
     palp_status status = PALP_OK;
     if (!s->settings->candidate[i] || effect_row_of(id)->line || !explain_carries(&a->base->c.model, info) ||
         (explain_has(&a->base->c, id) && !info->repeats) ||
-        explain_starts_find(id, &s->data, s->residual, &starts, &reason))
+        explain_starts_of(id, &s->data, s->residual, &starts))
         return;
     for (size_t k = 0; k < starts.n && !status; k++)
         status = enter(a, &starts.effect[k], best);
@@ -115,7 +135,9 @@ static palp_status find_best(anew *a, int *best) {
         return status;
     infer_fit *fit = &a->fit[*best];
     status = infer_noise_learn(fit, data, 60, false);
-    status = keep_if_had(fit, status ? status : infer_fit_settle(fit, data, 2, true));
+    if (!status)
+        status = infer_fit_settle(fit, data, 2, true);
+    status = keep_if_had(fit, status ? status : infer_fit_converge(fit, data));
     *best = fit->raw ? *best : PALP_EFFECT_COUNT;
     return status;
 }
@@ -185,7 +207,7 @@ palp_status infer_search_anew(infer_search *s, const infer_fit *base) {
         return status || !left ? status : PALP_ERR_NO_MEMORY;
     a->s = s;
     a->base = base;
-    status = infer_residual(base, &s->data, s->residual, s->discrepancy);
+    status = find_residual(s, base);
     if (!status)
         status = find_best(a, &best);
     if (!status && best != PALP_EFFECT_COUNT &&

@@ -54,6 +54,9 @@ palp_status infer_without_discrepancy(const infer_search *s, infer_fit *without)
 /* Evidence of the discrepancy of the fit at hand, nats. */
 palp_status infer_discrepancy_weigh(const infer_search *s, double *nats);
 
+/* The same, and the fit without it where that is more probable. */
+palp_status infer_discrepancy_drop(infer_search *s, double *nats);
+
 /* e->discrepancy; s->residual and s->discrepancy are those of the fit at hand. */
 palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e);
 

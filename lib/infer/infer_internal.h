@@ -61,13 +61,15 @@ typedef struct infer_scan {
 /* One block of columns of a run: [k parameters | INFER_OWN | INFER_HATS | INFER_SPECIMEN | residual], each
  * [n]. */
 typedef struct infer_fit {
-    explain_fit c; /* the model and its coordinates; its products are not used, its contacts are */
+    explain_fit c; /* the model and its coordinates; contacts and gains where the columns are */
     size_t k, m;   /* parameters; columns of a run: k + INFER_BLOCK + INFER_SPECIMEN + 1 */
     infer_noise noise;
     infer_sizes sizes;
     double given[EXPLAIN_COLUMNS]; /* prior mean of each coordinate, */
     double width[EXPLAIN_COLUMNS]; /* and its sd; 0: an effect's strength, see infer_prior */
     infer_scan scan[EXPLAIN_COLUMNS];
+    bool plain;                   /* it has no discrepancy */
+    bool held;                    /* contacts, gains that bend and specimens are where the columns are */
     double *raw;                  /* all runs' columns, run r at raw + first sample m */
     double *product;              /* [n_runs m m] of the whitened ones */
     double *specimen;             /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */

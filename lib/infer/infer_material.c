@@ -124,7 +124,6 @@ palp_status palp_infer_material(const palp_model *specimen, size_t n, const palp
         share_contact(&model, settings);
         s->settings = &arms;
         s->data.contacts_average_0 = true;
-        s->data.law_first = true;
         s->n_given = model.n_effects;
         status = characterize(s, &model, n, inputs, choice, fit);
         infer_search_free(s);

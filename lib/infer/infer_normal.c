@@ -21,10 +21,23 @@ static size_t outer_column(const infer_fit *fit, size_t a) {
                           : fit->k + INFER_BLOCK + (a - g - 1);
 }
 
+/* Precision that holds what has this sd where the columns are, if the fit wants it: beside that of any run.
+ */
+static double hold(const infer_fit *fit, double sd) {
+    return fit->held && sd > 0.0 ? 1e10 / (sd * sd) : 0.0;
+}
+
+static const double *place_of(const infer_fit *fit, size_t own, size_t r) {
+    return own == INFER_CONTACT                                ? &fit->c.contact[r]
+           : own == INFER_GAIN && explain_bends(&fit->c.model) ? &fit->c.gain[r]
+                                                               : NULL;
+}
+
 /* Cholesky factor l[BLOCK BLOCK] of the posterior precision of a run's own, given the global ones; and the
  * log determinant of its prior. false: not definite. */
-static bool own_factor(const infer_fit *fit, const double *product, double *l, double *log_prior) {
+static bool own_factor(const infer_fit *fit, size_t r, double *l, double *log_prior) {
     enum { B = INFER_BLOCK };
+    const double *product = fit->product + r * fit->m * fit->m;
     *log_prior = 0.0;
     for (size_t a = 0; a < B; a++)
         for (size_t b = 0; b < B; b++)
@@ -34,6 +47,7 @@ static bool own_factor(const infer_fit *fit, const double *product, double *l, d
         for (size_t b = 0; b < B && !(sd > 0.0); b++)
             l[a * B + b] = l[b * B + a] = 0.0;
         l[a * B + a] += sd > 0.0 ? 1.0 / (sd * sd) : 1.0;
+        l[a * B + a] += place_of(fit, a, r) ? hold(fit, sd) : 0.0;
         *log_prior -= sd > 0.0 ? 2.0 * log(sd) : 0.0;
     }
     for (size_t d = 0; d < INFER_DOMAINS; d++) {
@@ -61,7 +75,8 @@ static bool is_absent(const infer_fit *fit, size_t outer) {
 
 /* Whether the run's contact is one of those that average 0. */
 static bool in_mean(const infer_fit *fit, const explain_data *data, size_t r) {
-    return data->contacts_average_0 && !data->run[r].held_out && fit->sizes.own[INFER_CONTACT] > 0.0;
+    return data->contacts_average_0 && !fit->held && !data->run[r].held_out &&
+           fit->sizes.own[INFER_CONTACT] > 0.0;
 }
 
 /* cross[BLOCK outer]: run r's own beside the outer columns; beside the multiplier its contact has 1. */
@@ -75,6 +90,10 @@ static void own_cross(const infer_fit *fit, const explain_data *data, size_t r, 
         for (size_t a = 0; a < INFER_BLOCK; a++)
             cross[b * INFER_BLOCK + a] = off || is_off(fit, a) ? 0.0 : product[column * fit->m + fit->k + a];
     }
+    for (size_t a = 0; a < INFER_OWN; a++) {
+        const double *place = place_of(fit, a, r);
+        cross[(outer - 1) * INFER_BLOCK + a] += place ? hold(fit, fit->sizes.own[a]) * *place : 0.0;
+    }
     cross[(s - 1) * INFER_BLOCK + INFER_CONTACT] = in_mean(fit, data, r) ? 1.0 : 0.0;
 }
 
@@ -84,7 +103,7 @@ static bool add_run(const infer_fit *fit, const explain_data *data, size_t r, si
                     double *cross, double det[2]) {
     const double *product = fit->product + r * fit->m * fit->m;
     double l[INFER_BLOCK * INFER_BLOCK], log_prior;
-    if (!own_factor(fit, product, l, &log_prior))
+    if (!own_factor(fit, r, l, &log_prior))
         return false;
     own_cross(fit, data, r, outer, cross);
     dense_forward(INFER_BLOCK, l, outer, cross);
@@ -95,6 +114,10 @@ static bool add_run(const infer_fit *fit, const explain_data *data, size_t r, si
         const double *row = product + outer_column(fit, i) * fit->m;
         for (size_t j = 0; j < outer && i != multiplier; j++)
             a[i * outer + j] += j != multiplier ? row[outer_column(fit, j)] : 0.0;
+    }
+    for (size_t i = 0; i < INFER_OWN; i++) {
+        const double *place = place_of(fit, i, r);
+        a[outer * outer - 1] += place ? hold(fit, fit->sizes.own[i]) * *place * *place : 0.0;
     }
     double *square = cross + INFER_BLOCK * outer;
     dense_transposed_product(outer, outer, INFER_BLOCK, cross, cross, square);
@@ -111,7 +134,8 @@ static size_t specimen_room(size_t g) {
 }
 
 /* The specimen's own out of a[outer outer], lower triangle; keep[specimen_room]. */
-static bool take_specimen(const infer_fit *fit, size_t g, const double *a, double *keep, double det[2]) {
+static bool take_specimen(const infer_fit *fit, const double *place, size_t g, double *a, double *keep,
+                          double det[2]) {
     enum { S = INFER_SPECIMEN };
     const size_t outer = g + S + 1;
     double *rows = keep + SPECIMEN_SQUARE;
@@ -122,11 +146,12 @@ static bool take_specimen(const infer_fit *fit, size_t g, const double *a, doubl
             const size_t high = i > j ? i : j, low = i > j ? j : i;
             keep[i * S + j] = on && fit->sizes.specimen[j] > 0.0 ? a[(g + high) * outer + g + low] : 0.0;
         }
-        keep[i * S + i] += on ? 1.0 / (sd * sd) : 1.0;
+        keep[i * S + i] += (on ? 1.0 / (sd * sd) : 1.0) + hold(fit, sd);
         det[1] -= on ? 2.0 * log(sd) : 0.0;
         for (size_t b = 0; b < g; b++)
             rows[b * S + i] = on && !is_absent(fit, b) ? a[(g + i) * outer + b] : 0.0;
-        rows[g * S + i] = on ? a[(g + S) * outer + g + i] : 0.0;
+        rows[g * S + i] = (on ? a[(g + S) * outer + g + i] : 0.0) + hold(fit, sd) * place[i];
+        a[outer * outer - 1] += hold(fit, sd) * place[i] * place[i];
     }
     if (!dense_cholesky(S, keep))
         return false;
@@ -150,7 +175,7 @@ static bool add_specimen(const infer_fit *fit, const explain_data *data, size_t 
     for (size_t r = from; r < to; r++)
         if (!(fitted && data->run[r].held_out) && !add_run(fit, data, r, outer, inner, cross, det))
             return false;
-    if (!take_specimen(fit, g, inner, keep, det))
+    if (!take_specimen(fit, fit->specimen + from * S, g, inner, keep, det))
         return false;
     for (size_t r = from + 1; r < to; r++)
         memcpy(p->specimen + r * room, keep, room * sizeof *keep);
@@ -236,8 +261,7 @@ static palp_status solve(const infer_fit *fit, const explain_data *data, infer_p
     if (status)
         return status;
     p->log_prior += log_prior;
-    if (p->turn)
-        status = turn_hats(fit, p, q, q + k * k, a);
+    status = turn_hats(fit, p, q, q + k * k, a);
     if (status)
         return status;
     for (size_t d = 0; d < INFER_DOMAINS; d++)
@@ -282,7 +306,7 @@ palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data,
            *inner = cross + (INFER_BLOCK + outer) * outer;
     p->specimen = inner + outer * outer;
     p->pull_of_mean = p->specimen + data->n_runs * specimen_room(g + 1);
-    p->turn = data->law_first ? p->pull_of_mean + e : NULL;
+    p->turn = p->pull_of_mean + e;
     bool good = true;
     for (size_t from = 0, to = 0; from < data->n_runs && good; from = to) {
         while (to < data->n_runs && data->run[to].specimen == data->run[from].specimen)
@@ -342,7 +366,7 @@ static palp_status add_global(const infer_posterior *p, size_t n, double *x, dou
         for (size_t b = 0; b < g; b++)
             x[b * n + a] -= by_mean[a] * p->pull_of_mean[b];
         best[a] -= by_mean[a] * p->pull_of_mean[g];
-        for (size_t h = 0; h < INFER_HATS && p->turn; h++)
+        for (size_t h = 0; h < INFER_HATS; h++)
             for (size_t i = 0; i < p->k; i++)
                 x[h * n + a] -= p->turn[h * p->k + i] * x[(INFER_HATS + i) * n + a];
         mean[a] = best[a];
@@ -391,7 +415,7 @@ palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean,
 
 double infer_undone(const infer_posterior *p, size_t from, size_t to, size_t i) {
     double sum = 0.0;
-    for (size_t h = from; h < to && p->turn; h++)
+    for (size_t h = from; h < to; h++)
         sum += p->turn[h * p->k + i] * p->mean[h];
     return sum;
 }
@@ -403,7 +427,7 @@ palp_status infer_own(const infer_fit *fit, const explain_data *data, const infe
     double l[B * B], log_prior, spread[S * S];
     double *cross = malloc(outer * B * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope);
     palp_status status = cross && slope ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (!status && !own_factor(fit, fit->product + r * fit->m * fit->m, l, &log_prior))
+    if (!status && !own_factor(fit, r, l, &log_prior))
         status = PALP_ERR_SINGULAR;
     if (!status) {
         own_cross(fit, data, r, outer, cross);

@@ -17,7 +17,7 @@ static palp_status learn_without(infer_fit *fit, const explain_data *data) {
 
 /* The parameters that leave least: a discrepancy could take any share of what they leave. */
 static palp_status leave_least(infer_fit *fit, const explain_data *data) {
-    enum { ROUNDS = 3 };
+    enum { ROUNDS = 8 };
     return infer_fit_anneal(fit, data, ROUNDS);
 }
 
@@ -58,7 +58,8 @@ static palp_status find_means(const infer_search *s, double mean[INFER_OWN], dou
 }
 
 /* The fit at hand with one zero, contact or gain for all runs where common says so, refitted by this: that of
- * the model, or another one (mean, NULL: not tried), if it is more probable. The law takes a gain in. */
+ * the model, or another one (mean, NULL: not tried), if it is more probable. The law takes a gain in. What
+ * the runs keep of their own may take over from what they lose. */
 static palp_status refit_in_common(const infer_search *s, const bool common[INFER_GAIN + 1], refit *by,
                                    const double *mean, infer_fit *fit) {
     palp_model model = s->fit.c.model;
@@ -69,8 +70,9 @@ static palp_status refit_in_common(const infer_search *s, const bool common[INFE
     palp_status status = infer_fit_create(&model, &s->data, &s->fit, fit);
     if (status)
         return status;
+    const infer_sizes first = infer_sizes_first(&s->data);
     for (size_t a = 0; a <= INFER_GAIN; a++)
-        fit->sizes.own[a] = common[a] ? 0.0 : fit->sizes.own[a];
+        fit->sizes.own[a] = common[a] ? 0.0 : fmax(fit->sizes.own[a], first.own[a]);
     if (common[INFER_CONTACT])
         memset(fit->c.contact, 0, s->data.n_runs * sizeof *fit->c.contact);
     if (common[INFER_GAIN])
@@ -98,11 +100,9 @@ static palp_status fit_in_common(const infer_search *s, const bool common[INFER_
 
 palp_status infer_before_find(const infer_search *s, double *residual) {
     static const bool all[INFER_GAIN + 1] = {true, true, true};
-    double mean[INFER_OWN], square[INFER_OWN], *work = malloc(s->data.n * sizeof *work);
     infer_fit fit = {.raw = NULL};
-    palp_status status = work ? find_means(s, mean, square) : PALP_ERR_NO_MEMORY;
-    if (!status)
-        status = fit_in_common(s, all, leave_least, mean, &fit);
+    double *work = malloc(s->data.n * sizeof *work);
+    palp_status status = work ? refit_in_common(s, all, leave_least, NULL, &fit) : PALP_ERR_NO_MEMORY;
     if (!status)
         status = infer_residual(&fit, &s->data, residual, work);
     if (fit.raw)
@@ -153,7 +153,9 @@ static palp_status find_scatter(const infer_search *s, int which, const scatters
     if (!status) {
         out->without_N = sqrt(left * left + fmax(0.0, least * least - all->with * all->with));
         out->evidence = s->fit.score - without.score;
-        out->found = out->evidence > infer_threshold(s->settings) && out->without_N > left;
+        out->found =
+            out->evidence > infer_threshold(s->settings) &&
+            sqrt(out->without_N * out->without_N - left * left) > s->settings->good_enough * s->data.peak;
     }
     if (without.raw)
         infer_fit_free(&without);
@@ -184,6 +186,7 @@ palp_status infer_without_discrepancy(const infer_search *s, infer_fit *without)
     palp_status status = infer_fit_copy(&s->fit, &s->data, without);
     if (status)
         return status;
+    without->plain = true;
     memset(without->sizes.common, 0, sizeof without->sizes.common);
     memset(without->sizes.each, 0, sizeof without->sizes.each);
     status = infer_fit_products(without, &s->data);
@@ -250,6 +253,24 @@ palp_status infer_discrepancy_weigh(const infer_search *s, double *nats) {
     return status;
 }
 
+palp_status infer_discrepancy_drop(infer_search *s, double *nats) {
+    infer_fit without;
+    palp_status status = infer_discrepancy_weigh(s, nats);
+    if (status || *nats > 0.0)
+        return status;
+    status = infer_without_discrepancy(s, &without);
+    if (status)
+        return status;
+    status = infer_fit_converge(&without, &s->data);
+    if (!status) {
+        const infer_fit with = s->fit;
+        s->fit = without;
+        without = with;
+    }
+    infer_fit_free(&without);
+    return status;
+}
+
 /* Squares of run r's discrepancy by domain, common and its own together. */
 static palp_status add_domains(const infer_search *s, const infer_posterior *p, size_t r, size_t at,
                                double square[INFER_DOMAINS]) {
@@ -293,14 +314,13 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e) {
     if (status)
         return status;
     palp_explain_discrepancy *out = &e->discrepancy;
-    out->known = true;
     out->loading_N = sqrt(square[INFER_LOADING] / count);
     out->unloading_N = sqrt((square[INFER_UNLOADING] + square[INFER_WITHDRAWN]) / count);
     out->since_turn_N = sqrt(square[INFER_SINCE_TURN] / count);
     out->correlated_N = sqrt(fmax(0.0, beside / count - pow(infer_white_level(&s->fit, data), 2.0)));
-    status = infer_discrepancy_weigh(s, &out->evidence);
     const bool there = out->evidence > infer_threshold(s->settings);
     e->unexplained_N = there ? explain_fitted_rms(data, s->discrepancy) : 0.0;
+    out->known = true;
     out->found = there && e->unexplained_N > s->settings->good_enough * data->peak;
     return status;
 }

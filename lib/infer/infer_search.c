@@ -141,11 +141,10 @@ static palp_status try_hum(const infer_search *s, infer_trial *t) {
 static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_trial *t) {
     const palp_effect_info *info = palp_effect_look_up(id);
     effect_starts starts;
-    const char *reason; /* why_not tells it in full */
     infer_fit best[2] = {{.raw = NULL}, {.raw = NULL}};
     if (!explain_carries(&s->fit.c.model, info) || (explain_has(&s->fit.c, id) && !info->repeats))
         return PALP_ERR_UNSUPPORTED;
-    palp_status status = explain_starts_find(id, &s->data, s->residual, &starts, &reason);
+    palp_status status = explain_starts_of(id, &s->data, s->residual, &starts);
     for (size_t i = 0; !status && i < starts.n; i++) {
         status = enter(s, &starts.effect[i], s->fit.c.renewed, best, &t->share);
         if (!status && explain_may_recover(&s->data, id))

@@ -4,71 +4,134 @@
 #include <math.h>
 #include <string.h>
 
-/* Each specimen's own to where the posterior has it: its columns belong to the factor at hand. */
-static palp_status move_specimens(infer_fit *fit, const explain_data *data, const infer_posterior *p,
-                                  bool *moved) {
+/* Moves *at this share of the way to a place, if it is further away than what is not worth new columns. */
+static void move(double *at, double to, double share, double least, bool *moved) {
+    if (fabs(to - *at) > least) {
+        *at += share * (to - *at);
+        *moved = true;
+    }
+}
+
+/* Each specimen's own, each run's surface, and its gain where a sensor bends, this share of the way to where
+ * the posterior has them; a surface at most a quarter of the depth away. The columns at hand stay those of
+ * what does not move. */
+static palp_status move_own(infer_fit *fit, const explain_data *data, const infer_posterior *p, double share,
+                            bool *moved) {
+    const double most = 0.25 * data->deepest;
     palp_status status = PALP_OK;
+    *moved = false;
     for (size_t r = 0; r < data->n_runs && !status; r++) {
-        double mean[INFER_SPECIMEN];
-        status = infer_specimen_own(p, r, mean, NULL);
-        for (size_t a = 0; a < INFER_SPECIMEN && !status; a++) {
+        double own[INFER_BLOCK], mean[INFER_SPECIMEN];
+        status = infer_own(fit, data, p, r, own, NULL);
+        if (!status)
+            status = infer_specimen_own(p, r, mean, NULL);
+        if (status)
+            break;
+        move(&fit->c.contact[r], fmin(most, fmax(-most, own[INFER_CONTACT])), share,
+             fmax(0.05 * fit->sizes.own[INFER_CONTACT], 1e-4 * data->deepest), moved);
+        move(&fit->c.gain[r], explain_bends(&fit->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0,
+             share, 1e-3, moved);
+        for (size_t a = 0; a < INFER_SPECIMEN; a++) {
             double *at = &fit->specimen[r * INFER_SPECIMEN + a];
-            const double to = fmin(*at + 1.0, fmax(*at - 1.0, mean[a]));
-            *moved = *moved || fabs(to - *at) > fmax(0.02 * fit->sizes.specimen[a], 1e-4);
-            *at = to;
+            move(at, fmin(*at + 1.0, fmax(*at - 1.0, mean[a])), share,
+                 fmax(0.02 * fit->sizes.specimen[a], 1e-4), moved);
         }
     }
     return status;
 }
 
-/* Each run's surface, and its gain where a sensor bends, to where the posterior has it, at most a quarter of
- * the depth away. */
-static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool *moved) {
+/* Log posterior density of what is the runs' own where the columns are, beside the best step of all else. */
+static palp_status find_density(infer_fit *fit, const explain_data *data, double *density) {
     infer_posterior p;
+    fit->held = true;
     palp_status status = infer_posterior_find(fit, data, &p);
-    *moved = false;
-    for (size_t r = 0; r < data->n_runs && !status; r++) {
-        double own[INFER_BLOCK];
-        status = infer_own(fit, data, &p, r, own, NULL);
-        if (status)
-            break;
-        const double most = 0.25 * data->deepest, to = fmin(most, fmax(-most, own[INFER_CONTACT]));
-        const double gain = explain_bends(&fit->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0;
-        const double way = fabs(to - fit->c.contact[r]), more = fabs(gain - fit->c.gain[r]);
-        if (way > fmax(0.05 * fit->sizes.own[INFER_CONTACT], 1e-4 * data->deepest) || more > 1e-3) {
-            fit->c.contact[r] = to; /* otherwise the columns at hand stay those of where it is */
-            fit->c.gain[r] = gain;
-            *moved = true;
-        }
-    }
+    fit->held = false;
     if (!status)
-        status = move_specimens(fit, data, &p, moved);
+        *density = infer_log_evidence(fit, &p, p.chi2);
     infer_posterior_free(&p);
     return status;
 }
 
+/* Once more with columns where the runs' own are. A step that leads to a smaller density, or where the model
+ * has no solution, is halved. */
+static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool *moved) {
+    enum { HALVES = 3 };
+    infer_posterior p;
+    infer_fit before;
+    double was, density;
+    palp_status status = infer_fit_copy(fit, data, &before);
+    if (status)
+        return status;
+    status = infer_posterior_find(fit, data, &p);
+    if (!status)
+        status = find_density(fit, data, &was);
+    for (int i = 0; i <= HALVES && !status; i++) {
+        memcpy(fit->c.contact, before.c.contact, 2 * data->n_runs * sizeof *fit->c.contact);
+        memcpy(fit->specimen, before.specimen, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
+        status = move_own(fit, data, &p, ldexp(1.0, -i), moved);
+        if (status || !*moved)
+            break;
+        status = infer_fit_evaluate(fit, data);
+        if (!status)
+            status = find_density(fit, data, &density);
+        if (!status && density > was)
+            break;
+        status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+        *moved = false;
+    }
+    infer_posterior_free(&p);
+    if (!status && !*moved) {
+        const infer_fit worse = *fit;
+        *fit = before;
+        before = worse;
+    }
+    infer_fit_free(&before);
+    return status || !*moved ? status : infer_fit_score(fit, data);
+}
+
+/* Sizes, and the noise if it is wanted, that the best step of the parameters makes the most probable. */
+static palp_status learn(infer_fit *fit, const explain_data *data, bool noise, bool near) {
+    palp_status status = infer_sizes_learn(fit, data, 6);
+    return status || !noise ? status : infer_noise_learn(fit, data, 60, near);
+}
+
+/* The fit that was kept, if it is more probable; it is freed otherwise. */
+static bool go_back(infer_fit *fit, infer_fit *kept) {
+    const bool back = kept->raw && kept->score > fit->score;
+    infer_fit_free(back ? fit : kept);
+    if (back)
+        *fit = *kept;
+    memset(kept, 0, sizeof *kept);
+    return back;
+}
+
 palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise) {
     palp_status status = PALP_OK;
+    infer_fit kept = {.raw = NULL}; /* before sizes and noise were learned by a step that may not be there */
     double last = -HUGE_VAL;
     for (size_t i = 0; i < rounds && !status; i++) {
-        bool moved;
+        bool moved, back = false;
         infer_sizes_begin_anew(fit, data);
         status = infer_fit_improve(fit, data, i == 0 ? 12 : 5);
         if (!status)
-            status = infer_sizes_learn(fit, data, 6);
-        if (!status && noise)
-            status = infer_noise_learn(fit, data, 60, i > 1 || rounds == 1);
+            back = go_back(fit, &kept);
         if (!status)
             status = move_contacts(fit, data, &moved);
-        if (!status && moved)
-            status = infer_fit_evaluate(fit, data);
-        if (!status && moved)
-            status = infer_fit_score(fit, data);
-        if (!status && !moved && fabs(fit->score - last) < 0.1)
+        if (!status)
+            status = infer_fit_copy(fit, data, &kept);
+        if (!status && !back)
+            status = learn(fit, data, noise, i > 1 || rounds == 1);
+        if (!status && !moved && !back && fabs(fit->score - last) < 0.1)
             break;
         last = fit->score;
     }
-    return status || !noise ? status : infer_fit_improve(fit, data, INFER_LAST);
+    if (!status && noise)
+        status = infer_fit_improve(fit, data, INFER_LAST);
+    if (!status)
+        go_back(fit, &kept);
+    else if (kept.raw)
+        infer_fit_free(&kept);
+    return status;
 }
 
 palp_status infer_fit_converge(infer_fit *fit, const explain_data *data) {
@@ -85,8 +148,6 @@ palp_status infer_fit_converge(infer_fit *fit, const explain_data *data) {
             status = infer_noise_learn(fit, data, NOISE, true);
         if (!status)
             status = move_contacts(fit, data, &moved);
-        if (!status && moved)
-            status = infer_fit_evaluate(fit, data);
         if (!status)
             status = infer_fit_improve(fit, data, EVALUATIONS);
         if (!status && !moved && fabs(fit->score - last) < 1e-3)
@@ -101,24 +162,6 @@ static palp_status settle_all(infer_fit *fit, const explain_data *data) {
     return status ? status : infer_fit_settle(fit, data, 4, true);
 }
 
-static palp_status settle_parameters_first(infer_fit *fit, const explain_data *data) {
-    enum { EVALUATIONS = 30 };
-    infer_sizes sizes = infer_sizes_first(data);
-    sizes.own[INFER_SINE] = sizes.own[INFER_COSINE] = fit->sizes.own[INFER_SINE]; /* those of a line */
-    infer_noise_begin(fit, data);
-    fit->sizes = sizes;
-    memset(fit->sizes.common, 0, sizeof sizes.common);
-    memset(fit->sizes.each, 0, sizeof sizes.each);
-    memset(fit->c.contact, 0, 2 * data->n_runs * sizeof *fit->c.contact); /* and the gains */
-    palp_status status = infer_fit_evaluate(fit, data);
-    if (!status)
-        status = infer_fit_improve(fit, data, EVALUATIONS);
-    fit->sizes = sizes;
-    if (!status)
-        status = infer_fit_evaluate(fit, data);
-    return status ? status : settle_all(fit, data);
-}
-
 palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t rounds) {
     enum { EVALUATIONS = 4 };
     memset(fit->sizes.common, 0, sizeof fit->sizes.common);
@@ -126,8 +169,11 @@ palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t ro
     palp_status status = infer_fit_evaluate(fit, data);
     for (size_t i = 0; i <= rounds && !status; i++) {
         infer_posterior p;
+        bool moved;
         if (i > 0)
             status = infer_fit_improve(fit, data, EVALUATIONS);
+        if (!status && i > 0)
+            status = move_contacts(fit, data, &moved);
         if (!status)
             status = infer_posterior_find(fit, data, &p);
         if (status)
@@ -137,6 +183,21 @@ palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t ro
         status = infer_fit_products(fit, data);
     }
     return status ? status : infer_fit_score(fit, data);
+}
+
+/* Without a discrepancy first, from contacts, gains and specimens that are alike. */
+static palp_status settle_parameters_first(infer_fit *fit, const explain_data *data) {
+    enum { ROUNDS = 6 };
+    infer_sizes sizes = infer_sizes_first(data);
+    sizes.own[INFER_SINE] = sizes.own[INFER_COSINE] = fit->sizes.own[INFER_SINE]; /* those of a line */
+    infer_noise_begin(fit, data);
+    fit->sizes = sizes;
+    memset(fit->c.contact, 0, 2 * data->n_runs * sizeof *fit->c.contact); /* and the gains */
+    palp_status status = infer_fit_anneal(fit, data, ROUNDS);
+    fit->sizes = sizes;
+    if (!status)
+        status = infer_fit_evaluate(fit, data);
+    return status ? status : settle_all(fit, data);
 }
 
 /* Instead of a fit, settled with this status, the one that begins anew from the other's parameters, if that
@@ -168,10 +229,36 @@ palp_status infer_begin_anew(infer_fit *fit, const explain_data *data) {
     return status ? status : settle_anew(fit, PALP_OK, data, &anew);
 }
 
+/* The fit with all knots from the one with fewer. */
+static palp_status refine(const infer_fit *coarse, const explain_data *data, infer_fit *fit) {
+    palp_model model = coarse->c.model;
+    palp_law *law = &model.material.law;
+    infer_fit fine;
+    palp_status status = infer_spline_of(law, INFER_KNOTS, law->strain[law->n - 1], law);
+    if (!status)
+        status = infer_fit_create_as(&model, data, NULL, &fine);
+    if (status)
+        return status;
+    infer_fit_take_state(coarse, data, &fine);
+    fine.sizes.bend = 0.25 * coarse->sizes.bend; /* a second difference goes with the square of its way */
+    status = infer_fit_evaluate(&fine, data);
+    if (!status)
+        status = infer_fit_settle(&fine, data, 4, true);
+    if (!status) {
+        const infer_fit was = *fit;
+        *fit = fine;
+        fine = was;
+    }
+    infer_fit_free(&fine);
+    return status;
+}
+
+/* With fewer knots first. Where the model has no solution on the way, a network mostly, with all from the
+ * start. */
 palp_status infer_begin(infer_fit *fit, const explain_data *data) {
     palp_model model = fit->c.model;
     palp_law *law = &model.material.law;
-    infer_fit coarse, fine;
+    infer_fit coarse;
     if (law->kind != PALP_LAW_SPLINE || law->n != INFER_KNOTS)
         return begin_in_two_ways(fit, data);
     palp_status status = infer_spline_of(law, INFER_COARSE, law->strain[law->n - 1], law);
@@ -181,19 +268,8 @@ palp_status infer_begin(infer_fit *fit, const explain_data *data) {
         return status;
     coarse.c.renewed = fit->c.renewed;
     status = begin_in_two_ways(&coarse, data);
-    if (!status) {
-        model = coarse.c.model;
-        status = infer_spline_of(law, INFER_KNOTS, law->strain[law->n - 1], law);
-    }
     if (!status)
-        status = infer_fit_create_as(&model, data, NULL, &fine);
-    if (!status) {
-        infer_fit_take_state(&coarse, data, &fine);
-        fine.sizes.bend = 0.25 * coarse.sizes.bend; /* a second difference goes with the square of its way */
-        infer_fit_free(fit);
-        *fit = fine;
-        status = infer_fit_evaluate(fit, data);
-    }
+        status = refine(&coarse, data, fit);
     infer_fit_free(&coarse);
-    return status ? status : infer_fit_settle(fit, data, 4, true);
+    return status == PALP_ERR_NOT_CONVERGED ? begin_in_two_ways(fit, data) : status;
 }

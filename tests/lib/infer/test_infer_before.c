@@ -75,6 +75,20 @@ START_TEST(what_differs_is_found) {
 }
 END_TEST
 
+/* Contacts of up to a fifth of the depth are found where they are, and not taken by a discrepancy. */
+START_TEST(contacts_far_apart_are_found) {
+    palp_explanation e;
+    double far[RUNS];
+    for (size_t r = 0; r < RUNS; r++)
+        far[r] = 2 * contacts[r];
+    session(RUNS, none, far, ones, 1);
+    explain(RUNS, PALP_CONTACT_FREE, &e);
+    ck_assert_double_eq_tol(e.gap.after_N, NOISE, 0.1 * NOISE);
+    ck_assert(e.contact.found && !e.discrepancy.found);
+    palp_explanation_free(&e);
+}
+END_TEST
+
 /* Of alike runs none has anything of its own. */
 START_TEST(alike_runs_have_no_scatter) {
     palp_explanation e;
@@ -135,6 +149,7 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_loop_test(tc, what_differs_is_found, 0, 3);
+    tcase_add_test(tc, contacts_far_apart_are_found);
     tcase_add_test(tc, alike_runs_have_no_scatter);
     tcase_add_test(tc, equal_zeros_have_no_scatter);
     tcase_add_test(tc, a_contact_that_is_known_does_not_scatter);

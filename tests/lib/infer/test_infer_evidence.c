@@ -104,10 +104,10 @@ static double column(const infer_fit *fit, size_t r, size_t a, size_t i) {
     return fit->raw[r * EACH * fit->m + a * EACH + i];
 }
 
-/* The same of hat a of all runs, without what the law follows of it: turn[INFER_HATS k] or NULL. */
+/* The same of hat a of all runs, without what the law follows of it: turn[INFER_HATS k]. */
 static double hat_column(const infer_fit *fit, const double *turn, size_t r, size_t a, size_t i) {
     double sum = column(fit, r, fit->k + INFER_OWN + a, i);
-    for (size_t b = 0; turn && b < fit->k; b++)
+    for (size_t b = 0; b < fit->k; b++)
         sum -= turn[a * fit->k + b] * column(fit, r, b, i);
     return sum;
 }
@@ -133,9 +133,10 @@ static double shared_between(const infer_fit *fit, const double *prior, const do
     return sum;
 }
 
-/* Adds what parameters, hats and the runs' own do to all pairs of samples. turn: the law has what it
- * can follow, and the contacts average 0; or NULL. */
-static void add_effects(const infer_fit *fit, const double *prior, const double *turn, double *c) {
+/* Adds what parameters, hats and the runs' own do to all pairs of samples; average: the contacts average 0.
+ */
+static void add_effects(const infer_fit *fit, const double *prior, const double *turn, bool average,
+                        double *c) {
     const size_t n = runs * EACH, k = fit->k, hats = k + INFER_OWN;
     static double each[INFER_HATS][INFER_HATS];
     for (size_t a = 0; a < INFER_HATS; a++)
@@ -152,7 +153,7 @@ static void add_effects(const infer_fit *fit, const double *prior, const double 
                 sum += pow(fit->sizes.specimen[a], 2) * column(fit, ri, k + INFER_BLOCK + a, at) *
                        column(fit, rj, k + INFER_BLOCK + a, bt);
             for (size_t a = 0; a < INFER_OWN; a++) {
-                const double mean = turn && a == INFER_CONTACT ? 1.0 / (double)runs : 0;
+                const double mean = average && a == INFER_CONTACT ? 1.0 / (double)runs : 0;
                 sum += ((ri == rj) - mean) * pow(fit->sizes.own[a], 2) * column(fit, ri, k + a, at) *
                        column(fit, rj, k + a, bt);
             }
@@ -160,13 +161,13 @@ static void add_effects(const infer_fit *fit, const double *prior, const double 
         }
 }
 
-static void compare_with_joint_density(bool law_first) {
+static void compare_with_joint_density(bool average) {
     explain_data data;
     infer_fit fit;
     infer_posterior p;
     palp_model m;
     begin(&data, &fit, &m);
-    data.law_first = data.contacts_average_0 = law_first;
+    data.contacts_average_0 = average;
     ck_assert_int_eq(infer_fit_score(&fit, &data), PALP_OK);
     ck_assert_int_eq(infer_posterior_find(&fit, &data, &p), PALP_OK);
     const size_t n = runs * EACH, k = fit.k;
@@ -187,7 +188,7 @@ static void compare_with_joint_density(bool law_first) {
             c[i * n + j] =
                 i / EACH == j / EACH ? noise_between(&fit, &data, i / EACH, i % EACH, j % EACH) : 0;
     }
-    add_effects(&fit, prior, p.turn, c);
+    add_effects(&fit, prior, p.turn, average, c);
     infer_posterior_free(&p);
     ck_assert(dense_cholesky(n, c));
     dense_forward(n, c, 1, y);
@@ -207,10 +208,45 @@ START_TEST(the_evidence_is_the_joint_normal_density) {
 }
 END_TEST
 
-START_TEST(it_is_so_too_where_the_law_comes_first) {
+START_TEST(it_is_so_too_where_contacts_average_nothing) {
     runs = (size_t)_i;
     compare_with_joint_density(true);
     runs = 2;
+}
+END_TEST
+
+/* Held, what is the runs' own is where the columns are, and the density is the smaller the further these are
+ * from where the posterior has it. */
+START_TEST(what_is_held_is_where_the_columns_are) {
+    explain_data data;
+    infer_fit fit;
+    infer_posterior p;
+    palp_model m;
+    double own[INFER_BLOCK], specimen[INFER_SPECIMEN], here[3];
+    begin(&data, &fit, &m);
+    fit.held = true;
+    for (int i = 0; i < 3; i++) {
+        ck_assert_int_eq(infer_posterior_find(&fit, &data, &p), PALP_OK);
+        here[i] = infer_log_evidence(&fit, &p, p.chi2);
+        for (size_t r = 0; r < runs; r++) {
+            ck_assert_int_eq(infer_own(&fit, &data, &p, r, own, NULL), PALP_OK);
+            ck_assert_double_eq_tol(own[INFER_CONTACT], fit.c.contact[r],
+                                    1e-6 * fit.sizes.own[INFER_CONTACT]);
+            ck_assert_int_eq(infer_specimen_own(&p, r, specimen, NULL), PALP_OK);
+            for (size_t a = 0; a < INFER_SPECIMEN; a++)
+                ck_assert_double_eq_tol(specimen[a], fit.specimen[r * INFER_SPECIMEN + a], 1e-6);
+        }
+        infer_posterior_free(&p);
+        fit.held = false;
+        ck_assert_int_eq(infer_posterior_find(&fit, &data, &p), PALP_OK);
+        ck_assert_int_eq(infer_own(&fit, &data, &p, 0, own, NULL), PALP_OK);
+        infer_posterior_free(&p);
+        fit.held = true;
+        fit.c.contact[0] = own[INFER_CONTACT] + (i ? 2 : 0) * fit.sizes.own[INFER_CONTACT];
+    }
+    ck_assert_double_ge(here[1], here[0]);
+    ck_assert_double_lt(here[2], here[1]);
+    end(&data, &fit);
 }
 END_TEST
 
@@ -222,7 +258,7 @@ START_TEST(contacts_average_nothing) {
     palp_model m;
     double own[INFER_BLOCK], mean = 0, most = 0;
     begin(&data, &fit, &m);
-    data.law_first = data.contacts_average_0 = true;
+    data.contacts_average_0 = true;
     ck_assert_int_eq(infer_posterior_find(&fit, &data, &p), PALP_OK);
     for (size_t r = 0; r < runs; r++) {
         ck_assert_int_eq(infer_own(&fit, &data, &p, r, own, NULL), PALP_OK);
@@ -422,7 +458,8 @@ END_TEST
 
 void tests(TCase *tc) {
     tcase_add_loop_test(tc, the_evidence_is_the_joint_normal_density, 2, MOST + 1);
-    tcase_add_loop_test(tc, it_is_so_too_where_the_law_comes_first, 2, MOST + 1);
+    tcase_add_loop_test(tc, it_is_so_too_where_contacts_average_nothing, 2, MOST + 1);
+    tcase_add_test(tc, what_is_held_is_where_the_columns_are);
     tcase_add_test(tc, contacts_average_nothing);
     tcase_add_loop_test(tc, a_specimen_has_the_column_of_its_factor, 0, INFER_SPECIMEN);
     tcase_add_test(tc, the_noise_is_white_after_the_filter);

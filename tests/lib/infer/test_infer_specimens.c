@@ -10,7 +10,8 @@ static const double SPREAD = 0.2, FRICTION = 0.02;
 
 static palp_explain_input input[RUNS];
 static double factor[RUNS], friction;
-static bool law_alone; /* the arms are alike */
+static bool law_alone;          /* the arms are alike */
+static double range = HUGE_VAL; /* N: where the sensor ends */
 
 /* A press, a dwell and a withdrawal to the same strain at two speeds. */
 static void record(uint64_t noise) {
@@ -33,7 +34,7 @@ static void record(uint64_t noise) {
         s.n = EACH;
         press_model(&m, &s);
         for (size_t i = 0; i < EACH; i++)
-            s.force_N[i] += 2e-3 * palp_random_normal(&noise);
+            s.force_N[i] = fmin(range, s.force_N[i] + 2e-3 * palp_random_normal(&noise));
         palp_experiment *e = samples_experiment(&s);
         const char name[] = {(char)('a' + (int)r), '\0'};
         ck_assert_int_eq(palp_experiment_set_string(e, "specimen.name", name), PALP_OK);
@@ -110,6 +111,20 @@ START_TEST(laws_of_their_own_are_no_effect) {
 }
 END_TEST
 
+/* The stiff specimens reach the end of the sensor's range, the soft ones do not. */
+START_TEST(a_sensor_that_ends_is_found_beside_them) {
+    friction = 0;
+    law_alone = false;
+    range = 1.5;
+    palp_explanation e = explain(PALP_EFFECT_FORCE_SATURATION);
+    range = HUGE_VAL;
+    ck_assert_uint_eq(e.n_effects, 1);
+    ck_assert_int_eq(e.effect[0].effect.id, PALP_EFFECT_FORCE_SATURATION);
+    ck_assert_double_eq_tol(e.effect[0].effect.value[0], 1.5, 5e-3);
+    palp_explanation_free(&e);
+}
+END_TEST
+
 /* The same specimens without friction: the mean's material, each one's factor, and the spread.
  */
 START_TEST(the_mean_of_specimens) {
@@ -157,4 +172,5 @@ void tests(TCase *tc) {
     tcase_add_test(tc, the_mean_of_specimens);
     tcase_add_test(tc, an_effect_in_specimens_that_differ);
     tcase_add_test(tc, laws_of_their_own_are_no_effect);
+    tcase_add_test(tc, a_sensor_that_ends_is_found_beside_them);
 }
