@@ -199,11 +199,8 @@ static palp_status begin(infer_search *s, const palp_model *model) {
         return status;
     renewed.c.renewed = true;
     status = infer_begin(&renewed, &s->data);
-    if (!status && renewed.score > s->fit.score) {
-        const infer_fit worse = s->fit;
-        s->fit = renewed;
-        renewed = worse;
-    }
+    if (!status && renewed.score > s->fit.score)
+        infer_fit_exchange(&s->fit, &renewed);
     infer_fit_free(&renewed);
     return status;
 }

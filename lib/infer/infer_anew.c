@@ -79,11 +79,8 @@ static palp_status find_residual(infer_search *s, const infer_fit *base) {
 static palp_status enter(const anew *a, const palp_effect *start, infer_fit *best) {
     infer_fit fit;
     const palp_status status = begin(a->s, a->base, start, 0, &fit);
-    if (!status && (!best->raw || fit.noise.white < best->noise.white)) {
-        const infer_fit worse = *best;
-        *best = fit;
-        fit = worse;
-    }
+    if (!status && (!best->raw || fit.noise.white < best->noise.white))
+        infer_fit_exchange(best, &fit);
     if (!status && fit.raw)
         infer_fit_free(&fit);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;

@@ -57,7 +57,8 @@ palp_status infer_discrepancy_weigh(const infer_search *s, double *nats);
 /* The same, and the fit without it where that is more probable. */
 palp_status infer_discrepancy_drop(infer_search *s, double *nats);
 
-/* e->discrepancy; s->residual and s->discrepancy are those of the fit at hand. */
+/* e->discrepancy, whose evidence is there already; s->residual and s->discrepancy are those of the fit at
+ * hand. */
 palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e);
 
 #endif

@@ -170,11 +170,18 @@ palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infe
     palp_status status = to->raw ? explain_fit_copy(&from->c, data->n_runs, &to->c) : PALP_ERR_NO_MEMORY;
     if (status) {
         free(to->raw);
+        memset(to, 0, sizeof *to);
         return status;
     }
     memcpy(to->raw, from->raw, room(from, data) * sizeof *to->raw);
     place(to, data);
     return PALP_OK;
+}
+
+void infer_fit_exchange(infer_fit *a, infer_fit *b) {
+    const infer_fit was = *a;
+    *a = *b;
+    *b = was;
 }
 
 void infer_fit_free(infer_fit *fit) {

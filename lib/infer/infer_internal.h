@@ -231,6 +231,7 @@ void infer_fit_take_state(const infer_fit *from, const explain_data *data, infer
 /* The spline law through another one. */
 palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, palp_law *spline);
 palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to);
+void infer_fit_exchange(infer_fit *a, infer_fit *b);
 void infer_fit_free(infer_fit *fit);
 
 /* Columns of fit->c.model, and their products; products of the columns at hand; score and promised of these.

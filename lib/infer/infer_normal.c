@@ -21,16 +21,17 @@ static size_t outer_column(const infer_fit *fit, size_t a) {
                           : fit->k + INFER_BLOCK + (a - g - 1);
 }
 
-/* Precision that holds what has this sd where the columns are, if the fit wants it: beside that of any run.
- */
+/* Precision that holds what has this sd where the columns are, if the fit wants it. No run tells a hundred
+ * thousandth of the sd; of sixteen digits six are left to the density. */
 static double hold(const infer_fit *fit, double sd) {
     return fit->held && sd > 0.0 ? 1e10 / (sd * sd) : 0.0;
 }
 
-static const double *place_of(const infer_fit *fit, size_t own, size_t r) {
-    return own == INFER_CONTACT                                ? &fit->c.contact[r]
-           : own == INFER_GAIN && explain_bends(&fit->c.model) ? &fit->c.gain[r]
-                                                               : NULL;
+/* The same for one of a run's own, and where its column is. 0: the column is alike everywhere. */
+static double hold_own(const infer_fit *fit, size_t own, size_t r, double *place) {
+    const bool gain = own == INFER_GAIN && explain_bends(&fit->c.model);
+    *place = gain ? fit->c.gain[r] : fit->c.contact[r];
+    return gain || own == INFER_CONTACT ? hold(fit, fit->sizes.own[own]) : 0.0;
 }
 
 /* Cholesky factor l[BLOCK BLOCK] of the posterior precision of a run's own, given the global ones; and the
@@ -44,10 +45,11 @@ static bool own_factor(const infer_fit *fit, size_t r, double *l, double *log_pr
             l[a * B + b] = product[(fit->k + a) * fit->m + fit->k + b];
     for (size_t a = 0; a < INFER_OWN; a++) {
         const double sd = fit->sizes.own[a];
+        double place;
         for (size_t b = 0; b < B && !(sd > 0.0); b++)
             l[a * B + b] = l[b * B + a] = 0.0;
         l[a * B + a] += sd > 0.0 ? 1.0 / (sd * sd) : 1.0;
-        l[a * B + a] += place_of(fit, a, r) ? hold(fit, sd) : 0.0;
+        l[a * B + a] += hold_own(fit, a, r, &place);
         *log_prior -= sd > 0.0 ? 2.0 * log(sd) : 0.0;
     }
     for (size_t d = 0; d < INFER_DOMAINS; d++) {
@@ -91,8 +93,9 @@ static void own_cross(const infer_fit *fit, const explain_data *data, size_t r, 
             cross[b * INFER_BLOCK + a] = off || is_off(fit, a) ? 0.0 : product[column * fit->m + fit->k + a];
     }
     for (size_t a = 0; a < INFER_OWN; a++) {
-        const double *place = place_of(fit, a, r);
-        cross[(outer - 1) * INFER_BLOCK + a] += place ? hold(fit, fit->sizes.own[a]) * *place : 0.0;
+        double place;
+        const double precision = hold_own(fit, a, r, &place);
+        cross[(outer - 1) * INFER_BLOCK + a] += precision * place;
     }
     cross[(s - 1) * INFER_BLOCK + INFER_CONTACT] = in_mean(fit, data, r) ? 1.0 : 0.0;
 }
@@ -116,8 +119,9 @@ static bool add_run(const infer_fit *fit, const explain_data *data, size_t r, si
             a[i * outer + j] += j != multiplier ? row[outer_column(fit, j)] : 0.0;
     }
     for (size_t i = 0; i < INFER_OWN; i++) {
-        const double *place = place_of(fit, i, r);
-        a[outer * outer - 1] += place ? hold(fit, fit->sizes.own[i]) * *place * *place : 0.0;
+        double place;
+        const double precision = hold_own(fit, i, r, &place);
+        a[outer * outer - 1] += precision * place * place;
     }
     double *square = cross + INFER_BLOCK * outer;
     dense_transposed_product(outer, outer, INFER_BLOCK, cross, cross, square);

@@ -88,11 +88,8 @@ static palp_status fit_in_common(const infer_search *s, const bool common[INFER_
     const bool effects = common[INFER_ZERO] || common[INFER_CONTACT];
     if (!status && effects && s->fit.score - fit->score > infer_threshold(s->settings))
         status = refit_in_common(s, common, by, mean, &shared);
-    if (!status && shared.raw && shared.score > fit->score) {
-        const infer_fit worse = *fit;
-        *fit = shared;
-        shared = worse;
-    }
+    if (!status && shared.raw && shared.score > fit->score)
+        infer_fit_exchange(fit, &shared);
     if (shared.raw)
         infer_fit_free(&shared);
     return status;
@@ -262,11 +259,8 @@ palp_status infer_discrepancy_drop(infer_search *s, double *nats) {
     if (status)
         return status;
     status = infer_fit_converge(&without, &s->data);
-    if (!status) {
-        const infer_fit with = s->fit;
-        s->fit = without;
-        without = with;
-    }
+    if (!status)
+        infer_fit_exchange(&s->fit, &without);
     infer_fit_free(&without);
     return status;
 }
@@ -314,13 +308,13 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e) {
     if (status)
         return status;
     palp_explain_discrepancy *out = &e->discrepancy;
+    out->known = true;
     out->loading_N = sqrt(square[INFER_LOADING] / count);
     out->unloading_N = sqrt((square[INFER_UNLOADING] + square[INFER_WITHDRAWN]) / count);
     out->since_turn_N = sqrt(square[INFER_SINCE_TURN] / count);
     out->correlated_N = sqrt(fmax(0.0, beside / count - pow(infer_white_level(&s->fit, data), 2.0)));
     const bool there = out->evidence > infer_threshold(s->settings);
     e->unexplained_N = there ? explain_fitted_rms(data, s->discrepancy) : 0.0;
-    out->known = true;
     out->found = there && e->unexplained_N > s->settings->good_enough * data->peak;
     return status;
 }

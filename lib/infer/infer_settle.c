@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Moves *at this share of the way to a place, if it is further away than what is not worth new columns. */
+/* Moves *at this share of the way to a place, if that is further away than least. Nearer, the columns at hand
+ * do as well. */
 static void move(double *at, double to, double share, double least, bool *moved) {
     if (fabs(to - *at) > least) {
         *at += share * (to - *at);
@@ -52,26 +53,29 @@ static palp_status find_density(infer_fit *fit, const explain_data *data, double
     return status;
 }
 
-/* Once more with columns where the runs' own are. A step that leads to a smaller density, or where the model
- * has no solution, is halved. */
+/* Moves what is the runs' own, and takes new columns there. A step that leads to a smaller density, or where
+ * the model has no solution, is halved, three times at most. */
 static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool *moved) {
     enum { HALVES = 3 };
     infer_posterior p;
     infer_fit before;
     double was, density;
-    palp_status status = infer_fit_copy(fit, data, &before);
-    if (status)
-        return status;
-    status = infer_posterior_find(fit, data, &p);
+    palp_status status = infer_posterior_find(fit, data, &p);
     if (!status)
-        status = find_density(fit, data, &was);
+        status = move_own(fit, data, &p, 0.0, moved);
+    if (!status && *moved)
+        status = infer_fit_copy(fit, data, &before);
+    if (status || !*moved) {
+        infer_posterior_free(&p);
+        return status;
+    }
+    status = find_density(fit, data, &was);
     for (int i = 0; i <= HALVES && !status; i++) {
         memcpy(fit->c.contact, before.c.contact, 2 * data->n_runs * sizeof *fit->c.contact);
         memcpy(fit->specimen, before.specimen, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
         status = move_own(fit, data, &p, ldexp(1.0, -i), moved);
-        if (status || !*moved)
-            break;
-        status = infer_fit_evaluate(fit, data);
+        if (!status)
+            status = infer_fit_evaluate(fit, data);
         if (!status)
             status = find_density(fit, data, &density);
         if (!status && density > was)
@@ -80,11 +84,8 @@ static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool 
         *moved = false;
     }
     infer_posterior_free(&p);
-    if (!status && !*moved) {
-        const infer_fit worse = *fit;
-        *fit = before;
-        before = worse;
-    }
+    if (!status && !*moved)
+        infer_fit_exchange(fit, &before);
     infer_fit_free(&before);
     return status || !*moved ? status : infer_fit_score(fit, data);
 }
@@ -206,9 +207,7 @@ static palp_status settle_anew(infer_fit *fit, palp_status status, const explain
                                infer_fit *anew) {
     const palp_status other = settle_parameters_first(anew, data);
     if (!other && (status || anew->score > fit->score)) {
-        const infer_fit worse = *fit;
-        *fit = *anew;
-        *anew = worse;
+        infer_fit_exchange(fit, anew);
         status = PALP_OK;
     }
     infer_fit_free(anew);
@@ -244,11 +243,8 @@ static palp_status refine(const infer_fit *coarse, const explain_data *data, inf
     status = infer_fit_evaluate(&fine, data);
     if (!status)
         status = infer_fit_settle(&fine, data, 4, true);
-    if (!status) {
-        const infer_fit was = *fit;
-        *fit = fine;
-        fine = was;
-    }
+    if (!status)
+        infer_fit_exchange(fit, &fine);
     infer_fit_free(&fine);
     return status;
 }

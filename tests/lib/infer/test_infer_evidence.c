@@ -215,8 +215,7 @@ START_TEST(it_is_so_too_where_contacts_average_nothing) {
 }
 END_TEST
 
-/* Held, what is the runs' own is where the columns are, and the density is the smaller the further these are
- * from where the posterior has it. */
+/* Held, what is the runs' own is where the columns are. The density is largest where the posterior has it. */
 START_TEST(what_is_held_is_where_the_columns_are) {
     explain_data data;
     infer_fit fit;

@@ -40,8 +40,8 @@ static palp_explanation explain(const palp_model *given) {
 
 static const double one_speed[RUNS][2] = {{4, 1}, {6, 1}, {7, 1}, {4, 1}};
 
-/* A ripple is beside what law and discrepancy follow together, also where the given law cannot follow the
- * runs. */
+/* Neither law nor discrepancy may take the ripple's place, also where the given law cannot follow the runs.
+ */
 START_TEST(a_ripple_at_one_speed_is_named) {
     static const double straight = 8;
     palp_model truth = lumped_model(1), given = truth;
@@ -51,11 +51,9 @@ START_TEST(a_ripple_at_one_speed_is_named) {
     ck_assert_int_eq(palp_law_polynomial(1, &straight, &given.material.law), PALP_OK);
     session(&truth, one_speed, false);
     palp_explanation e = explain(&given);
-    const palp_effect *found = NULL;
-    for (size_t i = 0; i < e.n_effects; i++)
-        if (e.effect[i].effect.id == PALP_EFFECT_DRIVE_RIPPLE)
-            found = &e.effect[i].effect;
-    ck_assert_ptr_nonnull(found);
+    ck_assert_uint_eq(e.n_effects, 1);
+    const palp_effect *found = &e.effect[0].effect;
+    ck_assert_int_eq(found->id, PALP_EFFECT_DRIVE_RIPPLE);
     ck_assert_double_eq_tol(fabs(found->value[0]), 0.05, 0.005);
     ck_assert_double_eq_tol(found->value[1], 6.5e-4, 1e-5);
     palp_explanation_free(&e);
