@@ -4,38 +4,38 @@
 #include <math.h>
 #include <string.h>
 
-/* Moves *at this share of the way to a place, if that is further away than least. Nearer, the columns at hand
- * do as well. */
-static void move(double *at, double to, double share, double least, bool *moved) {
-    if (fabs(to - *at) > least) {
-        *at += share * (to - *at);
-        *moved = true;
-    }
+/* This share of the way from one place to another, if that is further away than least. Nearer, the columns at
+ * hand do as well. */
+static double move(double from, double to, double share, double least, bool *moved) {
+    if (!(fabs(to - from) > least))
+        return from;
+    *moved = true;
+    return from + share * (to - from);
 }
 
-/* Each specimen's own, each run's surface, and its gain where a sensor bends, this share of the way to where
- * the posterior has them; a surface at most a quarter of the depth away. The columns at hand stay those of
- * what does not move. */
-static palp_status move_own(infer_fit *fit, const explain_data *data, const infer_posterior *p, double share,
-                            bool *moved) {
+/* In *fit each specimen's own, each run's surface, and its gain where a sensor bends, this share of the way
+ * from where they are in *from to where its posterior p has them; a surface at most a quarter of the depth
+ * away. The columns stay those of *from. */
+static palp_status move_own(const infer_fit *from, const explain_data *data, const infer_posterior *p,
+                            double share, infer_fit *fit, bool *moved) {
     const double most = 0.25 * data->deepest;
     palp_status status = PALP_OK;
     *moved = false;
     for (size_t r = 0; r < data->n_runs && !status; r++) {
         double own[INFER_BLOCK], mean[INFER_SPECIMEN];
-        status = infer_own(fit, data, p, r, own, NULL);
+        status = infer_own(from, data, p, r, own, NULL);
         if (!status)
             status = infer_specimen_own(p, r, mean, NULL);
         if (status)
             break;
-        move(&fit->c.contact[r], fmin(most, fmax(-most, own[INFER_CONTACT])), share,
-             fmax(0.05 * fit->sizes.own[INFER_CONTACT], 1e-4 * data->deepest), moved);
-        move(&fit->c.gain[r], explain_bends(&fit->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0,
-             share, 1e-3, moved);
+        fit->c.contact[r] = move(from->c.contact[r], fmin(most, fmax(-most, own[INFER_CONTACT])), share,
+                                 fmax(0.05 * from->sizes.own[INFER_CONTACT], 1e-4 * data->deepest), moved);
+        const double gain = explain_bends(&from->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0;
+        fit->c.gain[r] = move(from->c.gain[r], gain, share, 1e-3, moved);
         for (size_t a = 0; a < INFER_SPECIMEN; a++) {
-            double *at = &fit->specimen[r * INFER_SPECIMEN + a];
-            move(at, fmin(*at + 1.0, fmax(*at - 1.0, mean[a])), share,
-                 fmax(0.02 * fit->sizes.specimen[a], 1e-4), moved);
+            const size_t i = r * INFER_SPECIMEN + a;
+            const double at = from->specimen[i], to = fmin(at + 1.0, fmax(at - 1.0, mean[a]));
+            fit->specimen[i] = move(at, to, share, fmax(0.02 * from->sizes.specimen[a], 1e-4), moved);
         }
     }
     return status;
@@ -62,7 +62,7 @@ static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool 
     double was, density;
     palp_status status = infer_posterior_find(fit, data, &p);
     if (!status)
-        status = move_own(fit, data, &p, 0.0, moved);
+        status = move_own(fit, data, &p, 0.0, fit, moved);
     if (!status && *moved)
         status = infer_fit_copy(fit, data, &before);
     if (status || !*moved) {
@@ -71,9 +71,7 @@ static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool 
     }
     status = find_density(fit, data, &was);
     for (int i = 0; i <= HALVES && !status; i++) {
-        memcpy(fit->c.contact, before.c.contact, 2 * data->n_runs * sizeof *fit->c.contact);
-        memcpy(fit->specimen, before.specimen, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
-        status = move_own(fit, data, &p, ldexp(1.0, -i), moved);
+        status = move_own(&before, data, &p, ldexp(1.0, -i), fit, moved);
         if (!status)
             status = infer_fit_evaluate(fit, data);
         if (!status)
