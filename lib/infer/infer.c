@@ -189,7 +189,7 @@ static palp_status begin(infer_search *s, const palp_model *model) {
     bool may_recover = false;
     palp_status status = infer_fit_create(model, &s->data, NULL, &s->fit);
     if (!status)
-        status = infer_begin(&s->fit, &s->data);
+        status = infer_begin(&s->fit, &s->data, s->settings);
     for (size_t i = 0; i < model->n_effects; i++)
         may_recover = may_recover || explain_may_recover(&s->data, model->effects[i].id);
     if (status || !may_recover)
@@ -198,7 +198,7 @@ static palp_status begin(infer_search *s, const palp_model *model) {
     if (status)
         return status;
     renewed.c.renewed = true;
-    status = infer_begin(&renewed, &s->data);
+    status = infer_begin(&renewed, &s->data, s->settings);
     if (!status && renewed.score > s->fit.score)
         infer_fit_exchange(&s->fit, &renewed);
     infer_fit_free(&renewed);

@@ -131,7 +131,7 @@ static palp_status find_best(anew *a, int *best) {
     if (status || *best == PALP_EFFECT_COUNT)
         return status;
     infer_fit *fit = &a->fit[*best];
-    status = infer_noise_learn(fit, data, 60, false);
+    status = infer_noise_learn(fit, data, 15, true);
     if (!status)
         status = infer_fit_settle(fit, data, 2, true);
     status = keep_if_had(fit, status ? status : infer_fit_converge(fit, data));

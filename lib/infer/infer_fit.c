@@ -320,8 +320,7 @@ palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
     return status ? status : infer_fit_products(fit, data);
 }
 
-/* Which columns of a run can have something: list[m], returns how many. */
-static size_t active_columns(const infer_fit *fit, size_t *list) {
+size_t infer_active_columns(const infer_fit *fit, size_t *list) {
     size_t n = 0;
     for (size_t a = 0; a < fit->m; a++) {
         bool on = a >= fit->k || !fit->scan[a].jumps;
@@ -351,9 +350,10 @@ static double tails(const infer_fit *fit, const explain_run *run, const infer_sa
 }
 
 palp_status infer_fit_products(infer_fit *fit, const explain_data *data) {
+    enum { TILE = 32 }; /* samples of all columns that a cache holds */
     const size_t m = fit->m, n_most = data->longest;
     size_t list[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN + 1];
-    const size_t n_active = active_columns(fit, list);
+    const size_t n_active = infer_active_columns(fit, list);
     double *block = malloc(((m + INFER_FILTER + 1) * n_most + INFER_STATES * m + m * m) * sizeof *block);
     if (!block)
         return PALP_ERR_NO_MEMORY;
@@ -366,9 +366,10 @@ palp_status infer_fit_products(infer_fit *fit, const explain_data *data) {
         const double *raw = fit->raw + at * m;
         double *product = fit->product + r * m * m;
         infer_variance(fit, run->n, fit->sample + at, variance);
-        for (size_t i = 0; i < run->n; i++)
+        for (size_t from = 0; from < run->n; from += TILE)
             for (size_t a = 0; a < n_active; a++)
-                block[i * n_active + a] = raw[list[a] * run->n + i];
+                for (size_t i = from; i < run->n && i < from + TILE; i++)
+                    block[i * n_active + a] = raw[list[a] * run->n + i];
         const double log_det = infer_whiten(&fit->noise, run->n, run->time, fit->sample + at, variance,
                                             run->use, n_active, block, work);
         fit->log_noise += run->held_out ? 0.0 : log_det - 2.0 * tails(fit, run, fit->sample + at);

@@ -34,6 +34,16 @@ typedef struct infer_noise {
     double freedom;                            /* degrees of freedom of Student's t, of what is independent */
 } infer_noise;
 
+/* The sizes among these; the encoder's is last, as it may be none. */
+enum {
+    INFER_BY_WHITE,
+    INFER_BY_DEPTH,
+    INFER_BY_CLOCK,
+    INFER_BY_SLOW,
+    INFER_BY_ENCODER = INFER_BY_SLOW + INFER_SLOW,
+    INFER_NOISES
+};
+
 /* What the noise of a sample depends on. */
 typedef struct infer_sample {
     double by_depth, by_time; /* of the force: by a depth that is new, N/m; along the run, N/s */
@@ -111,6 +121,14 @@ double infer_whiten(const infer_noise *noise, size_t n, const double *time, cons
 /* After infer_whiten of one column x[n] with the same work: x becomes the inverse of the covariance times the
  * column, and inverse[n] the inverse's diagonal. */
 void infer_unwhiten(size_t n, const double *work, double *x, double *inverse);
+
+/* After infer_whiten of x[n count] with the same work, for columns whose squares are summed: adds how the log
+ * likelihood changes with the logarithm of each size, slope[NOISES], and half the squares of what that does
+ * to the last column (the average information of Gilmour, Thompson and Cullis, Biometrics 51 (1995) 1440),
+ * information[NOISES NOISES]. count is NOISES at least. x is used up; moved[n NOISES]. */
+void infer_noise_slope(const infer_noise *noise, size_t n, const infer_sample *sample, size_t count,
+                       double *x, double *work, double *moved, double slope[INFER_NOISES],
+                       double *information);
 
 /* Noise as the samples show it, without tails: a first guess of what is learned. (infer_fit.c) */
 void infer_noise_begin(infer_fit *fit, const explain_data *data);
@@ -200,6 +218,11 @@ palp_status infer_own(const infer_fit *fit, const explain_data *data, const infe
  * of. */
 double infer_undone(const infer_posterior *p, size_t from, size_t to, size_t i);
 
+/* Of all columns of run r but the residual, mean[m - 1] and covariance[(m - 1) (m - 1)]; of a discrepancy the
+ * sum of the common one and its own. */
+palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                              size_t r, double *mean, double *covariance);
+
 /* What the specimen of run r has of its own, likewise: mean[INFER_SPECIMEN], covariance[INFER_SPECIMEN
  * INFER_SPECIMEN]. */
 palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean, double *covariance);
@@ -215,9 +238,14 @@ void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data);
 /* So many rounds of the fixed point of restricted maximum likelihood for fit->sizes, from the products. */
 palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t rounds);
 
-/* fit->noise by NLopt at the columns at hand, with products and score. near: to the next maximum alone, by a
- * quadratic model; otherwise by simplexes, which leave the plateaus where a process has no size. */
-palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool near);
+/* How the log evidence after the best step changes with the logarithm of each size of the noise, at the
+ * products at hand, and the average information; the scores. (infer_learn.c) */
+palp_status infer_noise_slopes(infer_fit *fit, const explain_data *data, double slope[INFER_NOISES],
+                               double *information);
+
+/* fit->noise that is the most probable at the columns at hand, with products and score. anew: sizes that are
+ * nothing begin where they are barely seen. (infer_learn.c) */
+palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool anew);
 
 /* ---- the fit (infer_fit.c) ---- */
 
@@ -233,6 +261,9 @@ palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, p
 palp_status infer_fit_copy(const infer_fit *from, const explain_data *data, infer_fit *to);
 void infer_fit_exchange(infer_fit *a, infer_fit *b);
 void infer_fit_free(infer_fit *fit);
+
+/* Which columns of a run can have something: list[m], returns how many; the residual is the last. */
+size_t infer_active_columns(const infer_fit *fit, size_t *list);
 
 /* Columns of fit->c.model, and their products; products of the columns at hand; score and promised of these.
  */
@@ -267,7 +298,7 @@ palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t ro
 /* The same for a fit just made, from a first guess of all sizes, in two ways, of which the more probable one
  * is kept: as it is; and its parameters first without a discrepancy, which could take their place. A law of
  * INFER_KNOTS begins with the coarse one's. */
-palp_status infer_begin(infer_fit *fit, const explain_data *data);
+palp_status infer_begin(infer_fit *fit, const explain_data *data, const palp_explain_settings *settings);
 
 /* The same for a settled fit to which an effect was added: as it is, or from a first guess of sizes, contacts
  * and noise, which had taken the effect's place. */

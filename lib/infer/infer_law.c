@@ -238,7 +238,7 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
         if (!status)
             status = infer_fit_improve(fit, &s->data, 8);
         if (!status)
-            status = infer_noise_learn(fit, &s->data, 60, false);
+            status = infer_noise_learn(fit, &s->data, 15, true);
         if (!status)
             status = infer_residual(fit, &s->data, work, work + s->data.n);
         if (!status)

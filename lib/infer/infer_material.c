@@ -20,7 +20,7 @@ static palp_status take_arm(infer_search *s, infer_trial *t, double wanted, bool
     palp_status status = infer_fit_create(&model, &s->data, &t->fit, &next);
     if (status)
         return status;
-    status = infer_begin(&next, &s->data);
+    status = infer_begin(&next, &s->data, s->settings);
     *taken = !status && next.score - s->fit.score > wanted;
     if (!*taken) {
         infer_fit_free(&next);
@@ -66,7 +66,7 @@ static palp_status start(infer_search *s, palp_model *model) {
     palp_status status = palp_law_polynomial(1, &stiffness, &model->material.law);
     if (!status)
         status = infer_fit_create(model, &s->data, NULL, &s->fit);
-    return status ? status : infer_begin(&s->fit, &s->data);
+    return status ? status : infer_begin(&s->fit, &s->data, s->settings);
 }
 
 static palp_status characterize(infer_search *s, palp_model *model, size_t n,

@@ -1,5 +1,6 @@
 /* infer_noise.c: one Kalman filter that makes the noise of a run white; what is independent in it. */
 #include "infer_internal.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <string.h>
@@ -114,44 +115,118 @@ static void whiten_four(const kept *at, size_t count, double *restrict state, do
     }
 }
 
+static void filter(const kept *all, bool encoder, size_t n, size_t count, double *state, double *x) {
+    memset(state, 0, S * count * sizeof *state);
+    for (size_t i = 0; i < n; i++)
+        (encoder ? whiten_sample : whiten_four)(&all[i], count, state, x + i * count);
+}
+
 double infer_whiten(const infer_noise *noise, size_t n, const double *time, const infer_sample *sample,
                     const double *variance, const unsigned char *use, size_t count, double *x, double *work) {
     kept *all = (kept *)work;
     const double log_det = gains(noise, n, time, sample, variance, use, all);
-    double *state = work + n * INFER_FILTER;
-    memset(state, 0, S * count * sizeof *state);
-    for (size_t i = 0; i < n; i++)
-        (noise->encoder > 0.0 ? whiten_sample : whiten_four)(&all[i], count, state, x + i * count);
+    filter(all, noise->encoder > 0.0, n, count, work + n * INFER_FILTER, x);
     return log_det;
 }
 
-/* The disturbance smoother's backward recursion (de Jong, J. Am. Stat. Assoc. 84 (1989) 1085). */
+/* ---- backwards: the disturbance smoother (de Jong, J. Am. Stat. Assoc. 84 (1989) 1085) ---- */
+
+/* v: how certain the samples from this one on are of each state, before it is stepped to the sample before.
+ * Returns that of what is independent in the sample. */
+static double look_back(const kept *k, double v[S][S]) {
+    double turned[S], square = k->sd > 0.0 ? 1.0 / (k->sd * k->sd) : 0.0;
+    for (int a = 0; a < S; a++) {
+        turned[a] = 0.0;
+        for (int b = 0; b < S; b++)
+            turned[a] += v[a][b] * k->gain[b];
+        square += k->gain[a] * turned[a];
+    }
+    for (int a = 0; a < S && k->sd > 0.0; a++)
+        for (int b = 0; b < S; b++)
+            v[a][b] += square * k->row[a] * k->row[b] - k->row[a] * turned[b] - turned[a] * k->row[b];
+    return square;
+}
+
+static void step_back(const kept *k, double v[S][S]) {
+    for (int a = 0; a < S; a++)
+        for (int b = 0; b < S; b++)
+            v[a][b] *= k->decay[a] * k->decay[b];
+}
+
+/* One whitened sample of all columns, x[count], becomes the covariance's inverse times them; r[S count]: what
+ * the samples from this one on pull at the states. */
+static void pull_back(const kept *k, size_t count, double *restrict r, double *restrict x) {
+    const double weight = k->sd > 0.0 ? 1.0 / k->sd : 0.0;
+    for (size_t c = 0; c < count; c++)
+        x[c] *= weight;
+    for (int a = 0; a < S; a++)
+        for (size_t c = 0; c < count; c++)
+            x[c] -= k->gain[a] * r[(size_t)a * count + c];
+    for (int a = 0; a < S; a++)
+        for (size_t c = 0; c < count; c++)
+            r[(size_t)a * count + c] += k->row[a] * x[c];
+}
+
 void infer_unwhiten(size_t n, const double *work, double *x, double *inverse) {
     const kept *all = (const kept *)work;
-    double r[S] = {0.0}, v[S][S] = {{0.0}}, turned[S];
+    double r[S] = {0.0}, v[S][S] = {{0.0}};
     for (size_t i = n; i-- > 0;) {
-        const kept *k = &all[i];
-        const bool used = k->sd > 0.0;
-        double u = used ? x[i] / k->sd : 0.0, square = used ? 1.0 / (k->sd * k->sd) : 0.0;
-        for (int a = 0; a < S; a++) {
-            turned[a] = 0.0;
-            for (int b = 0; b < S; b++)
-                turned[a] += v[a][b] * k->gain[b];
-            u -= k->gain[a] * r[a];
-            square += k->gain[a] * turned[a];
-        }
-        x[i] = u;
-        inverse[i] = square;
-        for (int a = 0; a < S; a++) {
-            for (int b = 0; b < S; b++) {
-                v[a][b] +=
-                    used ? square * k->row[a] * k->row[b] - k->row[a] * turned[b] - turned[a] * k->row[b]
-                         : 0.0;
-                v[a][b] *= k->decay[a] * k->decay[b];
-            }
-            r[a] = (r[a] + k->row[a] * u) * k->decay[a];
-        }
+        inverse[i] = look_back(&all[i], v);
+        pull_back(&all[i], 1, r, &x[i]);
+        for (int a = 0; a < S; a++)
+            r[a] *= all[i].decay[a];
+        step_back(&all[i], v);
     }
+}
+
+/* Variances that half of each size's logarithm changes by themselves: of what is independent, and of what the
+ * states gain from sample i - 1 to i. */
+static void find_parts(const infer_noise *noise, size_t i, const infer_sample *sample, const kept *k,
+                       double part[INFER_NOISES]) {
+    const double depth = sample->by_depth * noise->depth, clock = sample->by_time * noise->clock;
+    part[INFER_BY_WHITE] = noise->white * noise->white / sample->certain;
+    part[INFER_BY_DEPTH] = depth * depth / sample->certain;
+    part[INFER_BY_CLOCK] = clock * clock / sample->certain;
+    for (int a = 0; a < S; a++) {
+        const double size = a == ENCODER ? noise->encoder : noise->slow[a];
+        part[INFER_BY_SLOW + a] = size * size * (i > 0 ? 1.0 - k->decay[a] * k->decay[a] : 1.0);
+    }
+}
+
+/* The score of Koopman and Shephard, Biometrika 79 (1992) 823. */
+void infer_noise_slope(const infer_noise *noise, size_t n, const infer_sample *sample, size_t count,
+                       double *x, double *work, double *moved, double slope[INFER_NOISES],
+                       double *information) {
+    enum { N = INFER_NOISES };
+    const kept *all = (const kept *)work;
+    double *r = work + n * INFER_FILTER, v[S][S] = {{0.0}}, part[N], state[S] = {0.0};
+    memset(r, 0, S * count * sizeof *r);
+    for (size_t i = n; i-- > 0;) {
+        const double square = look_back(&all[i], v);
+        double *y = x + i * count, *to = moved + i * N;
+        pull_back(&all[i], count, r, y);
+        find_parts(noise, i, &sample[i], &all[i], part);
+        const double more = dense_dot(count, y, y) - square;
+        for (int a = 0; a < INFER_BY_SLOW; a++) {
+            slope[a] += part[a] * more;
+            to[a] = 2.0 * part[a] * y[count - 1];
+        }
+        for (int a = 0; a < S; a++) {
+            double *pull = r + (size_t)a * count;
+            slope[INFER_BY_SLOW + a] += part[INFER_BY_SLOW + a] * (dense_dot(count, pull, pull) - v[a][a]);
+            to[INFER_BY_SLOW + a] = 2.0 * part[INFER_BY_SLOW + a] * pull[count - 1];
+            for (size_t c = 0; c < count; c++)
+                pull[c] *= all[i].decay[a];
+        }
+        step_back(&all[i], v);
+    }
+    for (size_t i = 0; i < n; i++)
+        for (int a = 0; a < S; a++) {
+            state[a] = (i > 0 ? all[i].decay[a] * state[a] : 0.0) + moved[i * N + INFER_BY_SLOW + (size_t)a];
+            moved[i * N + INFER_BY_SLOW + (size_t)a] = all[i].row[a] * state[a];
+        }
+    filter(all, noise->encoder > 0.0, n, N, r, moved);
+    dense_add_square(N, n, 0.5, moved, information);
 }
 
 void infer_variance(const infer_fit *fit, size_t n, const infer_sample *sample, double *variance) {

@@ -377,17 +377,18 @@ static palp_status add_global(const infer_posterior *p, size_t n, double *x, dou
         for (size_t b = 0; b < g; b++)
             mean[a] -= x[b * n + a] * p->mean[b];
     }
-    double *turned = covariance ? malloc(g * n * sizeof *turned) : NULL;
+    double *turned = covariance ? malloc((g + n) * n * sizeof *turned) : NULL;
     if (!covariance || !turned)
         return covariance ? PALP_ERR_NO_MEMORY : PALP_OK;
+    double *square = turned + g * n;
     for (size_t a = 0; a < n; a++)
         for (size_t b = 0; b < g; b++)
             turned[a * g + b] = x[b * n + a];
     dense_forward(g, p->factor, n, turned);
+    dense_transposed_product(n, n, g, turned, turned, square);
     for (size_t a = 0; a < n; a++)
         for (size_t b = 0; b < n; b++)
-            covariance[a * n + b] +=
-                dense_dot(g, turned + a * g, turned + b * g) - by_mean[a] * by_mean[b] * p->mean_square;
+            covariance[a * n + b] += square[a * n + b] - by_mean[a] * by_mean[b] * p->mean_square;
     free(turned);
     return PALP_OK;
 }
@@ -417,11 +418,81 @@ palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean,
     return status;
 }
 
+/* How run r's own, of which l is the factor, depends on the outer ones: cross[BLOCK outer], through the
+ * specimen too. slope[SPECIMEN (g + 2)], spread[SPECIMEN SPECIMEN]: of the specimen's own, likewise, and what
+ * is left open of it. covariance[BLOCK BLOCK] (NULL: not wanted): of the run's own, the global ones given. */
+static void depend_on_outer(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                            size_t r, const double *l, double *cross, double *slope, double *spread,
+                            double *covariance) {
+    enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
+    const size_t g = p->g + 1, outer = g + S + 1;
+    own_cross(fit, data, r, outer, cross);
+    dense_cholesky_solve(B, l, outer, cross);
+    const double *by = cross + g * B;
+    invert(S, specimen_slope(p, r, slope), spread);
+    if (covariance)
+        invert(B, l, covariance);
+    for (size_t a = 0; a < B && covariance; a++)
+        for (size_t b = 0; b < B; b++)
+            for (size_t i = 0; i < S * S; i++)
+                covariance[a * B + b] += by[i / S * B + a] * spread[i] * by[i % S * B + b];
+    for (size_t b = 0; b <= g; b++) {
+        double *column = cross + (b < g ? b : g + S) * B;
+        for (size_t s = 0; s < S; s++)
+            for (size_t a = 0; a < B; a++)
+                column[a] -= by[s * B + a] * slope[b * S + s];
+    }
+}
+
 double infer_undone(const infer_posterior *p, size_t from, size_t to, size_t i) {
     double sum = 0.0;
     for (size_t h = from; h < to; h++)
         sum += p->turn[h * p->k + i] * p->mean[h];
     return sum;
+}
+
+palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                              size_t r, double *mean, double *covariance) {
+    enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
+    const size_t k = fit->k, n = k + B + S, g = p->g + 1, outer = g + S + 1;
+    double l[B * B], own[B * B], log_prior, spread[S * S];
+    double *cross = malloc(outer * B * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope),
+           *x = calloc((g + 1) * n, sizeof *x);
+    palp_status status = cross && slope && x ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status && !own_factor(fit, r, l, &log_prior))
+        status = PALP_ERR_SINGULAR;
+    if (!status) {
+        depend_on_outer(fit, data, p, r, l, cross, slope, spread, own);
+        for (size_t i = 0; i < S * S; i++) /* what has no size is held at 0 by any precision */
+            spread[i] *= fit->sizes.specimen[i / S] > 0.0 && fit->sizes.specimen[i % S] > 0.0 ? 1.0 : 0.0;
+        memset(covariance, 0, n * n * sizeof *covariance);
+        for (size_t a = 0; a < B; a++)
+            for (size_t b = 0; b < B; b++)
+                covariance[(k + a) * n + k + b] = is_off(fit, a) || is_off(fit, b) ? 0.0 : own[a * B + b];
+        for (size_t s = 0; s < S; s++)
+            for (size_t t = 0; t < S; t++)
+                covariance[(k + B + s) * n + k + B + t] = spread[s * S + t];
+        for (size_t a = 0; a < B; a++)
+            for (size_t s = 0; s < S; s++) {
+                double both = 0.0;
+                for (size_t t = 0; t < S; t++)
+                    both -= cross[(g + t) * B + a] * spread[t * S + s];
+                covariance[(k + a) * n + k + B + s] = covariance[(k + B + s) * n + k + a] = both;
+            }
+        for (size_t b = 0; b <= g; b++) {
+            memcpy(x + b * n + k, cross + (b < g ? b : g + S) * B, B * sizeof *x);
+            memcpy(x + b * n + k + B, slope + b * S, S * sizeof *x);
+        }
+        for (size_t a = 0; a < k; a++)
+            x[(INFER_HATS + a) * n + a] = -1.0;
+        for (size_t h = 0; h < INFER_HATS; h++)
+            x[h * n + k + INFER_OWN + h] -= is_absent(fit, h) ? 0.0 : 1.0;
+        status = add_global(p, n, x, mean, covariance);
+    }
+    free(cross);
+    free(slope);
+    free(x);
+    return status;
 }
 
 palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
@@ -434,22 +505,7 @@ palp_status infer_own(const infer_fit *fit, const explain_data *data, const infe
     if (!status && !own_factor(fit, r, l, &log_prior))
         status = PALP_ERR_SINGULAR;
     if (!status) {
-        own_cross(fit, data, r, outer, cross);
-        dense_cholesky_solve(B, l, outer, cross); /* sensitivity of the own to the outer ones */
-        const double *by = cross + g * B;
-        invert(S, specimen_slope(p, r, slope), spread);
-        if (covariance)
-            invert(B, l, covariance);
-        for (size_t a = 0; a < B && covariance; a++)
-            for (size_t b = 0; b < B; b++)
-                for (size_t i = 0; i < S * S; i++)
-                    covariance[a * B + b] += by[i / S * B + a] * spread[i] * by[i % S * B + b];
-        for (size_t b = 0; b <= g; b++) { /* through the specimen */
-            double *column = cross + (b < g ? b : g + S) * B;
-            for (size_t s = 0; s < S; s++)
-                for (size_t a = 0; a < B; a++)
-                    column[a] -= by[s * B + a] * slope[b * S + s];
-        }
+        depend_on_outer(fit, data, p, r, l, cross, slope, spread, covariance);
         memmove(cross + g * B, cross + (g + S) * B, B * sizeof *cross);
         status = add_global(p, B, cross, mean, covariance);
     }

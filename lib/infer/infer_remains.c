@@ -12,7 +12,7 @@ static palp_status learn_without(infer_fit *fit, const explain_data *data) {
     palp_status status = infer_fit_improve(fit, data, 5);
     if (!status)
         status = infer_sizes_learn(fit, data, 6);
-    return status ? status : infer_noise_learn(fit, data, 60, false);
+    return status ? status : infer_noise_learn(fit, data, 15, true);
 }
 
 /* The parameters that leave least: a discrepancy could take any share of what they leave. */
@@ -200,7 +200,7 @@ static palp_status find_evidence(const infer_search *s, double *nats) {
     palp_status status = infer_without_discrepancy(s, &without);
     if (status)
         return status;
-    status = infer_noise_learn(&without, &s->data, 100, false);
+    status = infer_noise_learn(&without, &s->data, 25, true);
     *nats = s->fit.promised - without.promised;
     infer_fit_free(&without);
     return status;

@@ -30,8 +30,15 @@ void infer_trials_free(infer_search *s) {
     memset(s->trial, 0, sizeof s->trial);
 }
 
+static void forget_without(infer_search *s) {
+    for (size_t i = 0; i < PALP_EXPLAIN_EFFECTS; i++)
+        if (s->without[i].raw)
+            infer_fit_free(&s->without[i]);
+}
+
 void infer_search_free(infer_search *s) {
     infer_trials_free(s);
+    forget_without(s);
     if (s->fit.raw)
         infer_fit_free(&s->fit);
     free(s->residual);
@@ -424,11 +431,14 @@ palp_status infer_search_without(const infer_search *full, size_t i, infer_searc
     *rest = *full;
     rest->step_share = 0.0;
     memset(rest->trial, 0, sizeof rest->trial);
+    memset(rest->without, 0, sizeof rest->without);
     memset(&rest->fit, 0, sizeof rest->fit);
     rest->residual = malloc(2 * full->data.n * sizeof *rest->residual);
     if (!rest->residual)
         return PALP_ERR_NO_MEMORY;
     rest->discrepancy = rest->residual + full->data.n;
+    if (full->without[i].raw)
+        return infer_fit_copy(&full->without[i], &full->data, &rest->fit);
     palp_model model = full->fit.c.model;
     const size_t at = full->n_given + i;
     const bool hum = at >= model.n_effects;
@@ -450,17 +460,18 @@ static void go_on_from(infer_search *s, infer_search *rest) {
     rest->fit.raw = NULL;
 }
 
-/* Takes out an effect that is not worth its price, or exchanges one for a better one. */
+/* Takes out an effect that is not worth its price, or exchanges one for a better one. A single one was just
+ * compared with none. */
 static palp_status review(infer_search *s, bool *changed) {
     palp_status status = PALP_OK;
     *changed = false;
     const size_t n = infer_added(s);
-    for (size_t i = 0; i < n && !status && !*changed; i++) {
+    for (size_t i = 0; i < n && n > 1 && !status && !*changed; i++) {
         infer_search rest;
         status = infer_search_without(s, i, &rest);
         const double stays = status ? 0.0 : worth_over(s, &rest);
         *changed = !status && stays < infer_threshold(s->settings);
-        if (!status && !*changed && n > 1) {
+        if (!status && !*changed) {
             status = infer_try_all(&rest);
             const int best = status ? INFER_TRIALS : best_trial(&rest);
             *changed = best != INFER_TRIALS && best != (int)infer_added_id(s, i) &&
@@ -482,8 +493,10 @@ palp_status infer_search_drop(infer_search *s) {
         status = infer_search_without(s, i, &rest);
         if (!status && worth_over(s, &rest) < infer_threshold(s->settings)) {
             go_on_from(s, &rest);
+            forget_without(s);
             status = infer_fit_converge(&s->fit, &s->data);
-        }
+        } else if (!status)
+            infer_fit_exchange(&s->without[i], &rest.fit);
         infer_search_free(&rest);
     }
     return status;

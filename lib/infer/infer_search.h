@@ -24,9 +24,10 @@ enum { INFER_DRIVE = PALP_EFFECT_COUNT, INFER_TRIALS };
 typedef struct infer_search {
     explain_data data;
     const palp_explain_settings *settings;
-    size_t n_given;                 /* effects of the given model */
-    infer_fit fit;                  /* at hand */
-    double *residual, *discrepancy; /* [data.n] of it */
+    size_t n_given;                          /* effects of the given model */
+    infer_fit fit;                           /* at hand */
+    infer_fit without[PALP_EXPLAIN_EFFECTS]; /* it without each added effect; raw NULL: not known */
+    double *residual, *discrepancy;          /* [data.n] of it */
     infer_trial trial[INFER_TRIALS];
     double promising;  /* what a fit of a trial promises at least that is settled */
     double drive_gain; /* nats, of arms that are driven otherwise than the given ones; 0: they are not */

@@ -91,7 +91,7 @@ static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool 
 /* Sizes, and the noise if it is wanted, that the best step of the parameters makes the most probable. */
 static palp_status learn(infer_fit *fit, const explain_data *data, bool noise, bool near) {
     palp_status status = infer_sizes_learn(fit, data, 6);
-    return status || !noise ? status : infer_noise_learn(fit, data, 60, near);
+    return status || !noise ? status : infer_noise_learn(fit, data, 10, !near);
 }
 
 /* The fit that was kept, if it is more probable; it is freed otherwise. */
@@ -134,7 +134,7 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
 }
 
 palp_status infer_fit_converge(infer_fit *fit, const explain_data *data) {
-    enum { ROUNDS = 12, EVALUATIONS = 10, SIZES = 20, NOISE = 100 };
+    enum { ROUNDS = 12, EVALUATIONS = 10, SIZES = 20, NOISE = 25 };
     double last = fit->score;
     for (size_t a = 0; a < fit->k; a++)
         fit->scan[a].spread = 0.0; /* both parameters of a bond are looked at once more */
@@ -144,7 +144,7 @@ palp_status infer_fit_converge(infer_fit *fit, const explain_data *data) {
         bool moved = false;
         status = infer_sizes_learn(fit, data, SIZES);
         if (!status)
-            status = infer_noise_learn(fit, data, NOISE, true);
+            status = infer_noise_learn(fit, data, NOISE, false);
         if (!status)
             status = move_contacts(fit, data, &moved);
         if (!status)
@@ -199,11 +199,9 @@ static palp_status settle_parameters_first(infer_fit *fit, const explain_data *d
     return status ? status : settle_all(fit, data);
 }
 
-/* Instead of a fit, settled with this status, the one that begins anew from the other's parameters, if that
- * is more probable. The other is freed. */
-static palp_status settle_anew(infer_fit *fit, palp_status status, const explain_data *data,
-                               infer_fit *anew) {
-    const palp_status other = settle_parameters_first(anew, data);
+/* Instead of a fit, settled with this status, the other one, settled with its own, if that is more probable.
+ * The other is freed. */
+static palp_status take_better(infer_fit *fit, palp_status status, infer_fit *anew, palp_status other) {
     if (!other && (status || anew->score > fit->score)) {
         infer_fit_exchange(fit, anew);
         status = PALP_OK;
@@ -212,18 +210,33 @@ static palp_status settle_anew(infer_fit *fit, palp_status status, const explain
     return status;
 }
 
-static palp_status begin_in_two_ways(infer_fit *fit, const explain_data *data) {
-    infer_fit anew;
+typedef struct ways {
+    infer_fit *fit, anew;
+    const explain_data *data;
+    palp_status status[2];
+} ways;
+
+static void settle_way(void *user, size_t i) {
+    ways *w = user;
+    w->status[i] = i == 0 ? settle_all(w->fit, w->data) : settle_parameters_first(&w->anew, w->data);
+}
+
+static palp_status begin_in_two_ways(infer_fit *fit, const explain_data *data,
+                                     const palp_explain_settings *settings) {
+    ways w = {.fit = fit, .data = data};
     palp_status status = infer_fit_evaluate(fit, data);
     if (!status)
-        status = infer_fit_copy(fit, data, &anew);
-    return status ? status : settle_anew(fit, settle_all(fit, data), data, &anew);
+        status = infer_fit_copy(fit, data, &w.anew);
+    if (status)
+        return status;
+    explain_each(settings, 2, settle_way, &w, w.status);
+    return take_better(fit, w.status[0], &w.anew, w.status[1]);
 }
 
 palp_status infer_begin_anew(infer_fit *fit, const explain_data *data) {
     infer_fit anew;
     palp_status status = infer_fit_copy(fit, data, &anew);
-    return status ? status : settle_anew(fit, PALP_OK, data, &anew);
+    return status ? status : take_better(fit, PALP_OK, &anew, settle_parameters_first(&anew, data));
 }
 
 /* The fit with all knots from the one with fewer. */
@@ -249,21 +262,21 @@ static palp_status refine(const infer_fit *coarse, const explain_data *data, inf
 
 /* With fewer knots first. Where the model has no solution on the way, a network mostly, with all from the
  * start. */
-palp_status infer_begin(infer_fit *fit, const explain_data *data) {
+palp_status infer_begin(infer_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
     palp_model model = fit->c.model;
     palp_law *law = &model.material.law;
     infer_fit coarse;
     if (law->kind != PALP_LAW_SPLINE || law->n != INFER_KNOTS)
-        return begin_in_two_ways(fit, data);
+        return begin_in_two_ways(fit, data, settings);
     palp_status status = infer_spline_of(law, INFER_COARSE, law->strain[law->n - 1], law);
     if (!status)
         status = infer_fit_create_as(&model, data, NULL, &coarse);
     if (status)
         return status;
     coarse.c.renewed = fit->c.renewed;
-    status = begin_in_two_ways(&coarse, data);
+    status = begin_in_two_ways(&coarse, data, settings);
     if (!status)
         status = refine(&coarse, data, fit);
     infer_fit_free(&coarse);
-    return status == PALP_ERR_NOT_CONVERGED ? begin_in_two_ways(fit, data) : status;
+    return status == PALP_ERR_NOT_CONVERGED ? begin_in_two_ways(fit, data, settings) : status;
 }

@@ -1,9 +1,8 @@
-/* infer_sizes.c: sizes of scatters, discrepancies and noise by restricted maximum likelihood. */
+/* infer_sizes.c: sizes of scatters and discrepancies by restricted maximum likelihood. */
 #include "infer_internal.h"
 #include "base/dense.h"
 
 #include <math.h>
-#include <nlopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -174,85 +173,4 @@ palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t r
         status = learn_once(fit, data, work);
     free(work);
     return status ? status : infer_fit_score(fit, data);
-}
-
-/* ---- noise ---- */
-
-typedef struct noise_search {
-    infer_fit *fit;
-    const explain_data *data;
-    infer_noise start, best; /* coordinates are logarithms of what is now over what it was at the start */
-    double score;
-    palp_status status;
-} noise_search;
-
-/* The encoder's is last: it may be none. */
-enum { WHITE, DEPTH, CLOCK, SLOW, ENCODER = SLOW + INFER_SLOW, NOISES };
-
-static double *noise_of(infer_noise *noise, int a) {
-    return a == WHITE     ? &noise->white
-           : a == DEPTH   ? &noise->depth
-           : a == CLOCK   ? &noise->clock
-           : a == ENCODER ? &noise->encoder
-                          : &noise->slow[a - SLOW];
-}
-
-static double try_noise(unsigned n, const double *x, double *gradient, void *user) {
-    (void)gradient;
-    noise_search *s = user;
-    for (int a = 0; a < (int)n; a++)
-        *noise_of(&s->fit->noise, a) = *noise_of(&s->start, a) * exp(x[a]);
-    palp_status status = infer_fit_products(s->fit, s->data);
-    if (!status)
-        status = infer_fit_score(s->fit, s->data);
-    if (status == PALP_ERR_NO_MEMORY)
-        s->status = status;
-    if (status)
-        return HUGE_VAL;
-    if (s->fit->promised > s->score) {
-        s->score = s->fit->promised;
-        s->best = s->fit->noise;
-    }
-    return -s->fit->promised;
-}
-
-palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool near) {
-    palp_status status = infer_tails_learn(fit, data);
-    if (status)
-        return status;
-    noise_search s = {
-        .fit = fit, .data = data, .start = fit->noise, .best = fit->noise, .score = fit->promised};
-    const unsigned n = fit->noise.encoder > 0.0 ? NOISES : NOISES - 1;
-    double x[NOISES], low[NOISES], high[NOISES], step[NOISES], value;
-    const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
-    for (int a = 0; a < (int)n; a++) {
-        double *now = noise_of(&s.start, a);
-        const bool depth = a == DEPTH || a == ENCODER;
-        const double unit = depth        ? data->deepest / data->peak
-                            : a == CLOCK ? data->deepest / data->fastest / data->peak
-                                         : 1.0,
-                     least = (a == WHITE ? 0.01 * data->run[0].white : hidden) * unit;
-        *now = fmin(data->peak * unit, fmax(least, *now));
-        low[a] = log(least / *now);
-        high[a] = log(data->peak * unit / *now);
-        x[a] = 0.0;
-        step[a] = near ? 0.5 : 1.0;
-    }
-    nlopt_opt o = nlopt_create(near ? NLOPT_LN_BOBYQA : NLOPT_LN_SBPLX, n);
-    if (!o)
-        return PALP_ERR_NO_MEMORY;
-    nlopt_set_lower_bounds(o, low);
-    nlopt_set_upper_bounds(o, high);
-    nlopt_set_initial_step(o, step);
-    nlopt_set_min_objective(o, try_noise, &s);
-    nlopt_set_ftol_abs(o, near ? 1e-3 : 0.05);
-    nlopt_set_maxeval(o, (int)evaluations);
-    nlopt_optimize(o, x, &value);
-    nlopt_destroy(o);
-    fit->noise = s.best;
-    if (!s.status)
-        s.status = infer_fit_products(fit, data);
-    if (!s.status)
-        s.status = infer_fit_score(fit, data);
-    return s.status ? s.status : infer_tails_learn(fit, data);
 }

@@ -53,7 +53,7 @@ static palp_status as_one(const infer_search *s, palp_explain_specimens *out) {
     if (!status)
         status = infer_sizes_learn(&fit, &s->data, 6);
     if (!status)
-        status = infer_noise_learn(&fit, &s->data, 60, false);
+        status = infer_noise_learn(&fit, &s->data, 15, true);
     if (!status)
         status = infer_residual(&fit, &s->data, s->residual, s->discrepancy);
     out->without_N = explain_fitted_rms(&s->data, s->residual);
