@@ -202,7 +202,7 @@ static palp_status begin(infer_search *s, const palp_model *model) {
     if (!status && renewed.score > s->fit.score)
         infer_fit_exchange(&s->fit, &renewed);
     infer_fit_free(&renewed);
-    return status;
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
 static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {

@@ -71,6 +71,7 @@ palp_status infer_spread_find(const infer_search *s, palp_explain_specimens *out
     if (!status && out->sd > 0.0)
         status = as_one(s, out);
     out->found = out->evidence > infer_threshold(s->settings);
+    out->law = s->fit.sizes.specimen[INFER_LAW] > s->fit.sizes.specimen[INFER_STIFFNESS];
     return status;
 }
 
