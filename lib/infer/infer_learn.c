@@ -26,6 +26,24 @@ static double *size_of(infer_noise *noise, int a) {
                                    : &noise->slow[a - INFER_BY_SLOW];
 }
 
+/* Factor of a covariance in place, whole and symmetric. What columns that are nearly alike leave of its
+ * digits may be less than nothing: its diagonal then grows by as little as makes it definite. */
+static bool factorize(size_t n, double *a) {
+    double diagonal[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN];
+    for (size_t i = 0; i < n; i++)
+        diagonal[i] = a[i * n + i];
+    for (double more = 0.0; more < 1e-9; more = fmax(1e-15, 10.0 * more)) {
+        for (size_t i = 0; i < n; i++) {
+            for (size_t j = 0; j < i; j++)
+                a[i * n + j] = a[j * n + i];
+            a[i * n + i] = diagonal[i] * (1.0 + more);
+        }
+        if (dense_cholesky(n, a))
+            return true;
+    }
+    return false;
+}
+
 /* by[count m]: combinations of a run's columns whose squares add up to the expected square of what is left,
  * the last one that at the posterior mean. Returns count, or 0 where the covariance is not definite.
  * covariance: [m m], used up. */
@@ -37,7 +55,7 @@ static size_t combine(const infer_fit *fit, const double *mean, double *covarian
     for (size_t a = 0; a < active; a++)
         for (size_t b = 0; b < active; b++)
             covariance[a * active + b] = covariance[list[a] * n + list[b]];
-    if (!dense_cholesky(active, covariance))
+    if (!factorize(active, covariance))
         return 0;
     memset(by, 0, count * m * sizeof *by);
     for (size_t a = 0; a < active; a++) {
@@ -49,7 +67,7 @@ static size_t combine(const infer_fit *fit, const double *mean, double *covarian
     return count;
 }
 
-/* Adds what run r says. room: [RUN_ROOM] */
+/* Adds what run r says. room: as infer_noise_slopes makes it. */
 static palp_status add_run(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                            const double *raw, const infer_sample *sample, double *room, double *slope,
                            double *information) {
@@ -100,7 +118,6 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
     *chi2 = 2.0 * (l->promised - l->fit->promised);
     if (!status && *chi2 > l->least)
         return PALP_OK; /* no step is made from there */
-    l->least = *chi2;
     if (!status)
         status = infer_noise_slopes(l->fit, l->data, slope, information);
     for (size_t a = 0; a < l->n && !status; a++) {
@@ -108,6 +125,7 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
         h[a * (l->n + 1)] += 1e-12 * information[0]; /* where a size is nothing it tells nothing */
         g[a] = slope[a];
     }
+    l->least = status ? l->least : *chi2;
     return !status || status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
 }
 
@@ -160,9 +178,17 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
                                .user = &l};
     if (!status)
         status = evaluate(&l, x, h, g, &chi2);
-    if (!status)
+    if (!status) {
+        l.best = true;
         status = levenberg_solve(&problem, x, h, g, &chi2);
+    }
     if (!status && !l.best)
         status = evaluate(&l, x, h, g, &chi2);
+    if (status == PALP_ERR_NOT_CONVERGED) { /* where it has no slopes it stays as it was */
+        fit->noise = l.start;
+        status = infer_fit_products(fit, data);
+        if (!status)
+            status = infer_fit_score(fit, data);
+    }
     return status ? status : infer_tails_learn(fit, data);
 }
