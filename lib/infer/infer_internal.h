@@ -122,10 +122,10 @@ double infer_whiten(const infer_noise *noise, size_t n, const double *time, cons
  * column, and inverse[n] the inverse's diagonal. */
 void infer_unwhiten(size_t n, const double *work, double *x, double *inverse);
 
-/* After infer_whiten of x[n count] with the same work, for columns whose squares are summed: adds how the log
- * likelihood changes with the logarithm of each size, slope[NOISES], and half the squares of what that does
- * to the last column (the average information of Gilmour, Thompson and Cullis, Biometrics 51 (1995) 1440),
- * information[NOISES NOISES]. count is NOISES at least. x is used up; moved[n NOISES]. */
+/* After infer_whiten of x[n count] with the same work. The log likelihood is minus half the sum of the
+ * columns' squares. Adds its derivatives by the logarithms of the sizes to slope[NOISES]. Adds their average
+ * information, which the last column gives, to information[NOISES NOISES] (Gilmour, Thompson and Cullis,
+ * Biometrics 51 (1995) 1440). count is at least NOISES. x and moved[n NOISES] are overwritten. */
 void infer_noise_slope(const infer_noise *noise, size_t n, const infer_sample *sample, size_t count,
                        double *x, double *work, double *moved, double slope[INFER_NOISES],
                        double *information);
@@ -218,8 +218,8 @@ palp_status infer_own(const infer_fit *fit, const explain_data *data, const infe
  * of. */
 double infer_undone(const infer_posterior *p, size_t from, size_t to, size_t i);
 
-/* Of all columns of run r but the residual, mean[m - 1] and covariance[(m - 1) (m - 1)]; of a discrepancy the
- * sum of the common one and its own. */
+/* Posterior mean[m - 1] and covariance[(m - 1) (m - 1)] of the coefficients of run r's columns. A hat
+ * function's is the sum of the common one and the run's own. */
 palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                               size_t r, double *mean, double *covariance);
 
@@ -238,13 +238,14 @@ void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data);
 /* So many rounds of the fixed point of restricted maximum likelihood for fit->sizes, from the products. */
 palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t rounds);
 
-/* How the log evidence after the best step changes with the logarithm of each size of the noise, at the
- * products at hand, and the average information; the scores. (infer_learn.c) */
+/* At the products at hand: derivatives of the log evidence after the best step by the logarithms of the
+ * noise's sizes, slope[NOISES]. information[NOISES NOISES] is their average information. Sets the scores too.
+ * (infer_learn.c) */
 palp_status infer_noise_slopes(infer_fit *fit, const explain_data *data, double slope[INFER_NOISES],
                                double *information);
 
-/* fit->noise that is the most probable at the columns at hand, with products and score. anew: sizes that are
- * nothing begin where they are barely seen. (infer_learn.c) */
+/* The most probable fit->noise at the columns at hand, with products and score. anew: a size of nothing
+ * begins where the samples barely show it. (infer_learn.c) */
 palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t evaluations, bool anew);
 
 /* ---- the fit (infer_fit.c) ---- */

@@ -26,8 +26,8 @@ static double *size_of(infer_noise *noise, int a) {
                                    : &noise->slow[a - INFER_BY_SLOW];
 }
 
-/* Factor of a covariance in place, whole and symmetric. What columns that are nearly alike leave of its
- * digits may be less than nothing: its diagonal then grows by as little as makes it definite. */
+/* Cholesky factor of a whole symmetric covariance, in place. Rounding may make one that is nearly singular
+ * indefinite: the diagonal then grows by as little as is needed. */
 static bool factorize(size_t n, double *a) {
     double diagonal[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN];
     for (size_t i = 0; i < n; i++)
@@ -44,9 +44,9 @@ static bool factorize(size_t n, double *a) {
     return false;
 }
 
-/* by[count m]: combinations of a run's columns whose squares add up to the expected square of what is left,
- * the last one that at the posterior mean. Returns count, or 0 where the covariance is not definite.
- * covariance: [m m], used up. */
+/* Combinations by[count m] of a run's columns. Their squares add up to the expected square of the residual;
+ * the last one is the residual at the posterior mean. Returns count, or 0 where the covariance is not
+ * definite. covariance[m m] is overwritten. */
 static size_t combine(const infer_fit *fit, const double *mean, double *covariance, double *by) {
     const size_t m = fit->m, n = m - 1;
     size_t list[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN + 1];
@@ -122,7 +122,7 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
         status = infer_noise_slopes(l->fit, l->data, slope, information);
     for (size_t a = 0; a < l->n && !status; a++) {
         memcpy(h + a * l->n, information + a * INFER_NOISES, l->n * sizeof *h);
-        h[a * (l->n + 1)] += 1e-12 * information[0]; /* where a size is nothing it tells nothing */
+        h[a * (l->n + 1)] += 1e-12 * information[0]; /* a size of nothing has no information */
         g[a] = slope[a];
     }
     l->least = status ? l->least : *chi2;
@@ -133,8 +133,8 @@ static void keep(void *user) {
     ((learning *)user)->best = true;
 }
 
-/* Bounds: no noise is larger than the largest force, nor told from none where all samples together hide it.
- */
+/* Bounds: no noise is larger than the largest force. None is seen that is smaller than the error of the mean
+ * of all samples. */
 static void bound(learning *l, bool anew, double *x, double *low, double *high) {
     const explain_data *data = l->data;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
@@ -184,7 +184,7 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
     }
     if (!status && !l.best)
         status = evaluate(&l, x, h, g, &chi2);
-    if (status == PALP_ERR_NOT_CONVERGED) { /* where it has no slopes it stays as it was */
+    if (status == PALP_ERR_NOT_CONVERGED) { /* without slopes the noise stays as it was */
         fit->noise = l.start;
         status = infer_fit_products(fit, data);
         if (!status)

@@ -463,7 +463,7 @@ palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, co
         status = PALP_ERR_SINGULAR;
     if (!status) {
         depend_on_outer(fit, data, p, r, l, cross, slope, spread, own);
-        for (size_t i = 0; i < S * S; i++) /* what has no size is held at 0 by any precision */
+        for (size_t i = 0; i < S * S; i++) /* without a size it is 0, whatever its precision */
             spread[i] *= fit->sizes.specimen[i / S] > 0.0 && fit->sizes.specimen[i % S] > 0.0 ? 1.0 : 0.0;
         memset(covariance, 0, n * n * sizeof *covariance);
         for (size_t a = 0; a < B; a++)

@@ -199,8 +199,8 @@ static palp_status settle_parameters_first(infer_fit *fit, const explain_data *d
     return status ? status : settle_all(fit, data);
 }
 
-/* Instead of a fit, settled with this status, the other one, settled with its own, if that is more probable.
- * The other is freed. */
+/* Keeps the more probable of two fits, which were settled with these statuses, in *fit. The other is freed.
+ */
 static palp_status take_better(infer_fit *fit, palp_status status, infer_fit *anew, palp_status other) {
     if (!other && (status || anew->score > fit->score)) {
         infer_fit_exchange(fit, anew);
