@@ -26,9 +26,8 @@ reduce: realtime | reduce
 response: network | forward specimen
 fit: data response realtime | characterize calibrate moduli spectrum
 explain: response fit data | explain
-infer: explain | infer
 thesis: fit | thesis
-palpate.h: thesis infer explain fit response reduce realtime | palpate
+palpate.h: thesis explain fit response reduce realtime | palpate
 firmware/core: wire |
 firmware/board: firmware/core |
 tools/shared: |

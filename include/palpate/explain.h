@@ -1,8 +1,10 @@
 /* explain.h: find what a model misses in measured runs, name it from the catalogue of effects, and add it.
- * doc/explain.md says how, and what it can and cannot tell. May change. */
+ * All of it by one likelihood (doc/likelihood.md), in which the model's own misfit has a part. doc/explain.md
+ * says how, and what it can and cannot tell. May change. */
 #ifndef PALPATE_EXPLAIN_H
 #define PALPATE_EXPLAIN_H
 
+#include <palpate/characterize.h>
 #include <palpate/experiment.h>
 #include <palpate/forward.h>
 #include <palpate/recording.h>
@@ -21,14 +23,11 @@ typedef struct palp_explain_settings {
     size_t max_effects;   /* 4; at most PALP_EXPLAIN_EFFECTS */
     double false_alarm;   /* 0.05: chance that any effect at all is named where nothing is missing */
     double good_enough;   /* 0: the practical limit, of the largest force; what is less is not named */
-    double repeatability; /* expected scatter of a run's gain; the data correct it; 0 = they tell it alone */
     palp_contact_form contact; /* FREE; KNOWN: every recorded contact is exact; COMMON: all are off by the
                                   same, if at all */
-    double contact_scatter_m;  /* FREE: expected as repeatability is; 0 = the files' contact.sd_mm, if any */
     unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a candidate; all of them */
     size_t n_held_out;                          /* runs kept out of the fit; 0 = each in turn */
     const size_t *held_out;                     /* [n_held_out] indices, caller's */
-    unsigned long long seed;                    /* of the simulated null cases */
     palp_explain_loop *loop;                    /* NULL = one after the other; the result is the same */
     void *loop_user;
     void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all.
@@ -109,9 +108,8 @@ typedef struct palp_explain_law {
     double evidence;  /* in log likelihood, less what its coefficients cost, nats */
 } palp_explain_law;
 
-/* What no term of the model follows, by what it depends on: rms over the samples, N (palp_infer). */
+/* What no term of the model follows, by what it depends on: rms over the samples, N. */
 typedef struct palp_explain_discrepancy {
-    bool known;                    /* it was looked for */
     bool found;                    /* it is distinguishable from zero, and beyond the practical limit */
     double evidence;               /* nats */
     double loading_N, unloading_N; /* on the depth, on the way in and on the way out */
@@ -164,13 +162,12 @@ typedef struct palp_explain_event {
 /* What was tried and how it fared. */
 typedef struct palp_explain_candidate {
     palp_effect_id id;
-    bool identifiable; /* these runs can show it: share is large enough, and nothing that it needs is missing
-                        */
-    double share; /* of what it does, left beside the richest law, arms, contacts and zeros that these runs
-                     could carry */
+    bool identifiable; /* these runs can show it: share is a half at least, and nothing that it needs is
+                          missing */
+    double share; /* of the prior variance of its strength, what the runs take away beside what was found */
     bool accepted;
     bool unconfirmed;                 /* it gains more than chance, but in one run only */
-    double score;                     /* log likelihood gained when it alone is added, nats */
+    double score;                     /* log odds of its fit over the one without it, nats */
     double explained_N;               /* rms that it alone would explain */
     char reason[PALP_EXPLAIN_REASON]; /* why it was rejected */
 } palp_explain_candidate;
@@ -200,7 +197,7 @@ typedef struct palp_explain_next {
     size_t cycles;
     palp_effect_id between[2];
     double separation_N; /* expected rms difference */
-    double nats;         /* expected log odds between the two after it (palp_infer) */
+    double nats;         /* expected log odds between the two after it */
     const char *note;    /* NULL, or what the indenter alone cannot do */
 } palp_explain_next;
 
@@ -235,7 +232,10 @@ typedef struct palp_explanation {
 
 PALP_API void palp_explanation_free(palp_explanation *explanation); /* NULL is fine */
 
-/* ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network with mass, or a model
+/* The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the law of the given
+ * family that is nearest. evidence_se is paired over what is left out in turn: each run, or each eighth of a
+ * single one. An effect that does not help to predict that is not accepted.
+ * ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network with mass, or a model
  * that is not PALP_HISTORY; ERR_LIMIT: more effects in the model than can be added to. */
 PALP_API palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
                                   const palp_explain_settings *settings, palp_explanation *explanation,
@@ -249,6 +249,28 @@ typedef struct palp_frame {
 
 PALP_API palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_frame *frame,
                                         palp_error *error);
+
+/* What palp_explain_material may choose from. Zero-initialised: a spline of 31 knots, no arms. */
+typedef struct palp_explain_choice {
+    size_t least_arms, most_arms; /* the most is at most PALP_ARMS_MAX */
+    size_t n_laws;                /* laws that compete with the spline of 31 knots */
+    const palp_law *law; /* [n_laws] the caller's: kind, size, knots and area; coefficients: first guess */
+    bool no_spline;      /* the spline does not compete: one of the laws is taken */
+} palp_explain_choice;
+
+/* The lumped solid of runs by the same likelihood, without effects: arms as long as one more gains what
+ * settings->false_alarm wants, driven by the strain or by the elastic force (quasi-linear), and the law of
+ * the largest evidence. specimen: height and radius, to which all runs are scaled by the sizes in their
+ * files, and known effects; its material is not read. fit, the caller's to free: of mean, arrays over runs
+ * are in the order of inputs, and contact_m is from recorded depth 0. Specimens are numbered as they come
+ * first among the inputs (specimen.name); with one, fit has the mean alone. n_spread is 1 if they differ: all
+ * stiffnesses of one by a factor, all times, and the law alone. settings: false_alarm, contact, loop, stop.
+ * ERR_ARGUMENT: no runs, arms out of range, no_spline without a law; errors of palp_explain. */
+PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
+                                           const palp_explain_input *inputs,
+                                           const palp_explain_settings *settings,
+                                           const palp_explain_choice *choice, palp_specimens_fit *fit,
+                                           palp_error *error);
 
 #ifdef __cplusplus
 }

@@ -12,7 +12,6 @@
 #include <palpate/file.h>
 #include <palpate/forward.h>
 #include <palpate/indentation.h>
-#include <palpate/infer.h>
 #include <palpate/law.h>
 #include <palpate/material.h>
 #include <palpate/mesh.h>

@@ -57,16 +57,13 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
     const double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
                  *force = palp_experiment_column(e, "force_N");
     run->n = palp_experiment_rows(e);
-    double *block = malloc(6 * run->n * sizeof *block);
+    double *block = malloc(3 * run->n * sizeof *block);
     run->time = block;
     run->use = malloc(2 * run->n);
     if (!block || !run->use)
         return PALP_ERR_NO_MEMORY;
     run->depth = block + run->n;
     run->force = block + 2 * run->n;
-    run->keep = block + 3 * run->n;
-    run->take = block + 4 * run->n;
-    run->weight = block + 5 * run->n;
     run->phase = run->use + run->n;
     memset(run->use, 1, run->n);
     run->start = time[0];
@@ -229,7 +226,6 @@ static palp_status find_pace(explain_data *data) {
         data->step = fmin(data->step, statistics_median(step, run->n - 1));
     }
     find_span(data);
-    data->correlation_time = data->duration;
     free(step);
     return PALP_OK;
 }
@@ -398,8 +394,6 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
         data->n += run->n;
         data->longest = run->n > data->longest ? run->n : data->longest;
         for (size_t i = 0; i < run->n && !status; i++) {
-            run->keep[i] = run->take[i] = 0.0; /* noise is white until its correlation is known */
-            run->weight[i] = !run->use[i] ? 0.0 : run->white > 0.0 ? 1.0 / run->white : 1.0;
             data->peak = fmax(data->peak, run->force[i]);
             data->deepest = fmax(data->deepest, run->depth[i]);
             data->strain = fmax(data->strain, run->depth[i] / run->height);
@@ -418,14 +412,6 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
     if (!status && (!(data->peak > 0.0) || !(data->deepest > 0.0)))
         status = palp_error_set(error, PALP_ERR_INPUT, "%s: no run presses the specimen", data->run[0].name);
     return status;
-}
-
-palp_status explain_data_one_height(const explain_data *data, palp_error *error) {
-    for (size_t r = 0; r < data->n_runs; r++)
-        if (fabs(data->run[r].height - data->height) > 1e-3 * data->height)
-            return palp_error_set(error, PALP_ERR_INPUT, "%s: a specimen of %g mm, the model's has %g mm",
-                                  data->run[r].name, 1e3 * data->run[r].height, 1e3 * data->height);
-    return PALP_OK;
 }
 
 void explain_data_free(explain_data *data) {
@@ -489,7 +475,7 @@ effect_data explain_facts(const explain_data *data) {
                          .fastest = data->fastest,
                          .peak = data->peak,
                          .height = data->height,
-                         .white = hypot(data->run[0].white, data->correlated),
+                         .white = data->run[0].white,
                          .n_releases = data->n_releases,
                          .pull = {data->pull, data->pull_most},
                          .pulled = data->pulled,
@@ -509,4 +495,15 @@ palp_status explain_each(const palp_explain_settings *settings, size_t n, void (
         if (status[i])
             return status[i];
     return PALP_OK;
+}
+
+double explain_fitted_rms(const explain_data *data, const double *x) {
+    double sum = 0.0, count = 0.0;
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
+        for (size_t i = 0; i < data->run[r].n && !data->run[r].held_out; i++)
+            if (data->run[r].use[i]) {
+                sum += x[at + i] * x[at + i];
+                count += 1.0;
+            }
+    return count > 0.0 ? sqrt(sum / count) : 0.0;
 }

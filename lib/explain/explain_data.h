@@ -23,8 +23,7 @@ typedef struct explain_run {
     bool fresh;                   /* on a specimen that no run before it pressed */
     size_t specimen;              /* which of the data's it presses, as the files name them */
     double largest_strain;        /* largest strain of the earlier runs on its specimen, by depth */
-    double *keep, *take, *weight; /* [n] the filter that makes its noise white (explain_noise.h) */
-    bool held_out;                /* kept out of the fit */
+    bool held_out;         /* kept out of the fit */
 } explain_run;
 
 /* What runs on a rigid block show of the frame, m/N; an interval of 95 %. */
@@ -57,7 +56,6 @@ typedef struct explain_data {
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
     double stride;              /* largest way between two samples, of the run where it is least, m */
-    double correlated, correlation_time; /* of the noise */
     effect_shown shown;                  /* how the plate moves in them */
     bool one_speed;                      /* all runs press at one speed, without a pause or a way back */
     size_t n_specimens;                  /* that the files of the runs that are fitted name; at least 1 */
@@ -78,9 +76,9 @@ typedef struct explain_data {
 palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, const palp_model *model,
                                 explain_data *data, palp_error *error);
-/* ERR_INPUT: a specimen of another height than the model's. */
-palp_status explain_data_one_height(const explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
+double explain_fitted_rms(const explain_data *data,
+                          const double *x); /* [n], of the samples that are fitted */
 size_t explain_samples(const explain_data *data); /* of the runs that are not held out */
 bool explain_may_recover(
     const explain_data *data,

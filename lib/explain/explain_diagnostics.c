@@ -2,7 +2,7 @@
  * lines, steps, and how much of it any smooth curve could still take off. */
 #include "base/statistics.h"
 #include "explain_result.h"
-#include "explain_noise.h"
+#include "explain_lines.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -107,7 +107,7 @@ static void find_curves(const explain_data *data, palp_explanation *e) {
 static palp_status find_slips(explain_data *data, size_t r, const double *y) {
     enum { HALF = 12 };
     const explain_run *run = &data->run[r];
-    double least = 8.0 * hypot(run->white, data->correlated);
+    double least = 8.0 * run->white;
     palp_status status = PALP_OK;
     for (size_t i = 2 * HALF; i + 2 * HALF < run->n && !status; i++) {
         double a = statistics_mean(y + i - 2 * HALF, HALF), b = statistics_mean(y + i - HALF, HALF);

@@ -1,5 +1,5 @@
 /* explain_lines.c: periodic residuals: over time (the mains) and over depth (the drive). */
-#include "explain_noise.h"
+#include "explain_lines.h"
 #include "base/statistics.h"
 
 #include <math.h>
@@ -33,7 +33,7 @@ static line fit_line(size_t n, const double *at, const double *y, double x) {
 
 /* ---- over time ---- */
 
-/* Power of whitened y at a frequency in stretches of some seconds, each with a phase of its own. */
+/* Power of y, in units of the noise, at a frequency in stretches of some seconds, each with a phase of its own. */
 static double power_at(const explain_data *data, const double *y, double frequency, double stretch) {
     double power = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {
@@ -92,8 +92,10 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
         return PALP_ERR_NO_MEMORY;
     memcpy(y, residual, data->n * sizeof *y);
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
-        explain_whiten(&data->run[r], 1, y + at);
-        white += data->run[r].white / (double)data->n_runs;
+        const explain_run *run = &data->run[r];
+        for (size_t i = 0; i < run->n; i++)
+            y[at + i] *= !run->use[i] ? 0.0 : run->white > 0.0 ? 1.0 / run->white : 1.0;
+        white += run->white / (double)data->n_runs;
     }
     double power[GRID], typical, centre = 50.0;
     for (int k = 0; k < GRID; k++) { /* stretches of 10 s are 0.1 Hz wide */
@@ -118,17 +120,6 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
     *amplitude = 2.0 * white * sqrt(best / (double)data->n);
     free(y);
     return stands_out && within ? PALP_OK : PALP_ERR_UNSUPPORTED;
-}
-
-void explain_line_take(const explain_data *data, double frequency, double *residual) {
-    for (size_t r = 0; r < data->n_runs; residual += data->run[r++].n) {
-        const explain_run *run = &data->run[r];
-        line l = fit_line(run->n, run->time, residual, frequency);
-        for (size_t i = 0; i < run->n; i++) {
-            double turn = TURN * frequency * run->time[i];
-            residual[i] -= l.cosine * cos(turn) + l.sine * sin(turn);
-        }
-    }
 }
 
 /* ---- over depth ---- */

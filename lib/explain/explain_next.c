@@ -80,32 +80,3 @@ palp_explain_next explain_next_of(size_t k, const explain_data *data) {
                                .cycles = q->cycles};
 }
 
-palp_status explain_next_find(const explain_search *full, const explain_search *rest,
-                              const palp_explain_effect *out, palp_explain_next *next) {
-    explain_path *p = malloc(sizeof *p);
-    double *force = malloc(2 * SAMPLES * sizeof *force);
-    palp_status status = p && force ? PALP_OK : PALP_ERR_NO_MEMORY;
-    for (size_t c = 1; c < out->n_class && !status; c++) {
-        const explain_trial *t = &rest->trial[out->alike[c]];
-        if (!t->fit.product)
-            continue;
-        next->wanted = true;
-        for (size_t k = 0; k < EXPLAIN_PROTOCOLS; k++) {
-            explain_path_find(k, &full->data, p);
-            palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
-            if (explain_predict(&full->fit.model, &run, force, NULL, NULL) ||
-                explain_predict(&t->fit.model, &run, force + SAMPLES, NULL, NULL))
-                continue;
-            const double apart = explain_separation(p, force, force + SAMPLES);
-            if (!(apart > next->separation_N))
-                continue;
-            *next = explain_next_of(k, &full->data);
-            next->separation_N = apart;
-            next->between[0] = out->effect.id;
-            next->between[1] = out->alike[c];
-        }
-    }
-    free(p);
-    free(force);
-    return status;
-}

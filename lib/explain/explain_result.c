@@ -1,5 +1,5 @@
 /* explain_result.c: what the search found, as the caller gets it: the runs with their residuals, where they
- * are large, the candidates. */
+ * are large. */
 #include "explain_result.h"
 #include "base/file.h"
 
@@ -19,8 +19,7 @@ static palp_status copy_pressed(const explain_data *data, palp_explanation *e) {
     return e->pressed ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-palp_status explain_copy_runs(const explain_search *s, palp_explanation *e) {
-    const explain_data *data = &s->data;
+palp_status explain_copy_runs(const explain_data *data, palp_explanation *e) {
     e->n_runs = data->n_runs;
     e->run = calloc(data->n_runs, sizeof *e->run);
     if (!e->run)
@@ -31,6 +30,7 @@ palp_status explain_copy_runs(const explain_search *s, palp_explanation *e) {
         size_t bytes = from->n * sizeof *to->time_s;
         memcpy(to->name, from->name, sizeof to->name);
         to->n = from->n;
+        to->stiffness = 1.0;
         to->time_s = malloc(5 * bytes);
         if (!to->time_s)
             return PALP_ERR_NO_MEMORY;
@@ -81,46 +81,3 @@ void explain_phase_shares(const explain_data *data, palp_explanation *e, double 
     }
 }
 
-size_t explain_list_candidates(const explain_search *s, double threshold, palp_explain_candidate *list) {
-    size_t n = 0;
-    for (size_t i = 0; i < PALP_EFFECT_COUNT; i++) {
-        const explain_trial *t = &s->trial[i];
-        if (!t->tried)
-            continue;
-        palp_explain_candidate *out = &list[n++];
-        const char *why = explain_judged(s, t, threshold);
-        out->id = (palp_effect_id)i;
-        out->share = s->share[i];
-        out->identifiable = !explain_blind(s, out->id);
-        out->unconfirmed = out->identifiable && why && explain_unconfirmed(why);
-        out->score = t->fit.product ? t->gain : 0.0;
-        out->explained_N = t->explained;
-        snprintf(out->reason, sizeof out->reason, "%s", why ? why : "another effect explains more");
-        if (!out->identifiable)
-            explain_say_blind(s, out->id, out->reason);
-    }
-    return n;
-}
-
-void explain_disown(const explain_search *s, palp_explanation *e) {
-    for (size_t i = 0; i < e->n_effects; i++)
-        for (size_t k = 0; k < e->n_candidates; k++)
-            if (e->candidate[k].id == e->effect[i].effect.id && e->candidate[k].accepted) {
-                e->candidate[k].accepted = false;
-                snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
-                         "the best there is, but leaves %.2g of the gap open: it mimics something else",
-                         1.0 - e->gap.closed);
-            }
-    e->n_effects = 0;
-    e->law.found = false;
-    e->specimens.found = e->specimens.law = false;
-    e->next = (palp_explain_next){0};
-    e->model = e->base;
-    e->gap.after_N = s->opened;
-    e->gap.heldout_after_N = e->gap.heldout_before_N;
-    e->gap.closed = 0.0;
-    explain_keep_residual(s->first, e, false);
-    palp_explain_scatter *scatter[] = {&e->zero, &e->contact, &e->gain};
-    for (size_t i = 0; i < sizeof scatter / sizeof *scatter; i++) /* it was found beside the effects */
-        scatter[i]->found = scatter[i]->found && scatter[i]->without_N > e->gap.after_N;
-}

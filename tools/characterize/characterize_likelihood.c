@@ -1,6 +1,6 @@
 /* characterize_likelihood.c: --likelihood: law, arms, contacts and specimens by the likelihood that palpate
  * explain has. */
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 
 #include "characterize.h"
 #include "shared/opening.h"
@@ -67,7 +67,7 @@ static int set_runs(const characterize_options *o, const characterize_state *s, 
 
 /* ---- the choice ---- */
 
-static palp_status choose(const characterize_options *o, characterize_state *s, palp_infer_choice *choice) {
+static palp_status choose(const characterize_options *o, characterize_state *s, palp_explain_choice *choice) {
     palp_status status = PALP_OK;
     choice->least_arms = o->arms_auto ? 0 : o->arms;
     choice->most_arms = o->arms_auto ? PALP_ARMS_MAX : o->arms;
@@ -159,7 +159,7 @@ int characterize_likelihood(const characterize_options *o, characterize_state *s
     palp_explain_input input[CHARACTERIZE_RUNS_MAX];
     palp_error error = {PALP_OK, ""};
     palp_explain_settings settings = palp_explain_settings_default();
-    palp_infer_choice choice = {.n_laws = 0};
+    palp_explain_choice choice = {.n_laws = 0};
     palp_model specimen = {
         .kind = PALP_MODEL_LUMPED, .height_m = s->run[0].height_m, .radius_m = s->run[0].radius_m};
     settings.contact = forms[o->contact];
@@ -173,7 +173,7 @@ int characterize_likelihood(const characterize_options *o, characterize_state *s
                             s->run[0].name);
         if (!status)
             status =
-                palp_infer_material(&specimen, o->n_words, input, &settings, &choice, &s->specimens, &error);
+                palp_explain_material(&specimen, o->n_words, input, &settings, &choice, &s->specimens, &error);
         if (!status)
             status = take_runs(o, s, &s->specimens.mean);
         code = code || !status ? code : cli_status(NAME, status, &error);

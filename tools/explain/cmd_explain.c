@@ -1,6 +1,6 @@
 /* cmd_explain.c: palpate explain: what a model misses in measured runs, named and added. */
 #define _POSIX_C_SOURCE 200809L
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 
 #include "shared/blas.h"
 #include "shared/commands.h"
@@ -44,9 +44,6 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_number("good-enough", "PERCENT", 0, 100, &o->good_enough,
                    "practical limit, of the largest force: what is less is neither named nor missed\n"
                    "(default 0: none)"),
-        cli_flag("likelihood", &o->likelihood,
-                 "believe effects by the odds of one likelihood, in which the model's own misfit\n"
-                 "has a part (doc/likelihood.md); it is to replace the rules"),
         cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
         cli_heading("Output"),
         cli_out("out", "EXPLAINED.json", &o->out, "the model with the effects"),
@@ -194,7 +191,7 @@ static palp_status watched(const explain_options *o, const palp_model *model, co
     sigaction(SIGINT, NULL, &before_stop);
     if (before_stop.sa_handler != SIG_IGN)
         sigaction(SIGINT, &act, NULL);
-    palp_status status = (o->likelihood ? palp_infer : palp_explain)(model, o->n_words, input, s, e, error);
+    palp_status status = palp_explain(model, o->n_words, input, s, e, error);
     sigaction(SIGINT, &before_stop, NULL);
     progress_finish(&w.bar);
     pthread_mutex_destroy(&w.lock);

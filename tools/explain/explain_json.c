@@ -96,8 +96,6 @@ static void add_discrepancy(json_t *root, const palp_explanation *e) {
                 {"depth_unloading", d->unloading_N},
                 {"time_since_turn", d->since_turn_N},
                 {"time_in_run", d->correlated_N}};
-    if (!d->known)
-        return;
     json_t *list = json_array(), *all = json_object();
     for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
         json_t *one = json_pack("{s:s}", "depends_on", part[i].on);

@@ -1,6 +1,6 @@
 /* test_explain_data.c: what explain reads off the runs, the slope of their chi2, classes and the null
  * threshold. */
-#include "explain/explain_noise.h"
+#include "explain/explain_lines.h"
 #include "explain/explain_result.h"
 #include "forward_make.h"
 

@@ -1,7 +1,7 @@
 /* test_explain_evidence.c: what a gain in log likelihood counts: beside a scatter that few runs tell, and
  * beside noise that is more than was thought. */
-#include "explain/explain_noise.h"
-#include "explain/explain_search.h"
+#include "explain/explain_lines.h"
+#include "explain/explain_fit.h"
 #include "forward_make.h"
 
 #include <palpate/explain.h>

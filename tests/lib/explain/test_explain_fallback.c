@@ -1,6 +1,6 @@
 /* test_explain_fallback.c: what explain does where a model has no solution. */
-#include "explain/explain_noise.h"
-#include "explain/explain_search.h"
+#include "explain/explain_lines.h"
+#include "explain/explain_fit.h"
 #include "forward_make.h"
 
 enum { RUNS = 2 };

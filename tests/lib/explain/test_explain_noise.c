@@ -1,8 +1,8 @@
 /* test_explain_noise.c: the noise's filter, lines and diagnostics of residuals that are known. */
 #include "base/dense.h"
-#include "explain/explain_noise.h"
+#include "explain/explain_lines.h"
 #include "explain/explain_result.h"
-#include "explain/explain_search.h"
+#include "explain/explain_fit.h"
 
 #include <check.h>
 #include <math.h>

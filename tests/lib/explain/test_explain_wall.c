@@ -1,7 +1,7 @@
 /* test_explain_wall.c: a fit never follows a law that makes no model, though its steps promise most there. */
 /* link: -Wl,--wrap=explain_predict */
 #include "explain/explain_fit.h"
-#include "explain/explain_noise.h"
+#include "explain/explain_lines.h"
 #include "forward_make.h"
 #include <string.h>
 

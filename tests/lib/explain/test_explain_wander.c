@@ -1,6 +1,6 @@
 /* test_explain_wander.c: zeros that wander are told from an effect of the catalogue. */
-#include "explain/explain_noise.h"
-#include "explain/explain_search.h"
+#include "explain/explain_lines.h"
+#include "explain/explain_fit.h"
 #include "forward_make.h"
 
 enum { RUNS = 7, EACH = 400 };

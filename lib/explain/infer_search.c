@@ -1,8 +1,8 @@
 /* infer_search.c: effects of the catalogue added to a fit, one after the other, by log evidence. */
 #include "infer_search.h"
 #include "base/dense.h"
-#include "explain/explain_noise.h"
-#include "explain/explain_search.h"
+#include "explain_lines.h"
+#include "explain_fit.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -151,7 +151,7 @@ static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_tr
     infer_fit best[2] = {{.raw = NULL}, {.raw = NULL}};
     if (!explain_carries(&s->fit.c.model, info) || (explain_has(&s->fit.c, id) && !info->repeats))
         return PALP_ERR_UNSUPPORTED;
-    palp_status status = explain_starts_of(id, &s->data, s->residual, &starts);
+    palp_status status = explain_starts_find(id, &s->data, s->residual, &starts);
     for (size_t i = 0; !status && i < starts.n; i++) {
         status = enter(s, &starts.effect[i], s->fit.c.renewed, best, &t->share);
         if (!status && explain_may_recover(&s->data, id))

@@ -2,7 +2,7 @@
  * traces in the specimen last from run to run or not. check: once */
 #include "forward_make.h"
 
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 
 enum { RUNS = 4 };
 
@@ -53,7 +53,7 @@ static palp_explanation explain(palp_model given, const palp_explain_settings *s
     palp_explanation e;
     palp_error error = {PALP_OK, ""};
     ck_assert_int_eq(palp_law_scale(&given.material.law, 1.05, &given.material.law), PALP_OK);
-    ck_assert_msg(palp_infer(&given, RUNS, input, settings, &e, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_explain(&given, RUNS, input, settings, &e, &error) == PALP_OK, "%s", error.text);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
     return e;

@@ -2,7 +2,7 @@
  * given model's are linear, or the reverse: that is a law of the material, and no effect is accused of it. */
 #include "forward_make.h"
 
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 
 enum { RUNS = 4, KNOTS = 5 };
 
@@ -50,7 +50,7 @@ static palp_explanation answer(bool quasi_linear, bool given, uint64_t state) {
     palp_explanation e;
     for (size_t r = 0; r < RUNS; r++)
         input[r] = (palp_explain_input){record(&truth, r, &state), "run"};
-    ck_assert_int_eq(palp_infer(&m, RUNS, input, &settings, &e, NULL), PALP_OK);
+    ck_assert_int_eq(palp_explain(&m, RUNS, input, &settings, &e, NULL), PALP_OK);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
     return e;

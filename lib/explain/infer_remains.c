@@ -308,7 +308,6 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e) {
     if (status)
         return status;
     palp_explain_discrepancy *out = &e->discrepancy;
-    out->known = true;
     out->loading_N = sqrt(square[INFER_LOADING] / count);
     out->unloading_N = sqrt((square[INFER_UNLOADING] + square[INFER_WITHDRAWN]) / count);
     out->since_turn_N = sqrt(square[INFER_SINCE_TURN] / count);

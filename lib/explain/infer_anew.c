@@ -1,6 +1,6 @@
 /* infer_anew.c: the search once more, from the model as given and without a discrepancy. Law and discrepancy
  * of a fit may have taken the place of an effect, and leave it nothing to begin with. */
-#include "explain/explain_search.h"
+#include "explain_fit.h"
 #include "infer_answer.h"
 
 #include <math.h>
@@ -96,7 +96,7 @@ static void try_anew(void *user, size_t i) {
     palp_status status = PALP_OK;
     if (!s->settings->candidate[i] || effect_row_of(id)->line || !explain_carries(&a->base->c.model, info) ||
         (explain_has(&a->base->c, id) && !info->repeats) ||
-        explain_starts_of(id, &s->data, s->residual, &starts))
+        explain_starts_find(id, &s->data, s->residual, &starts))
         return;
     for (size_t k = 0; k < starts.n && !status; k++)
         status = enter(a, &starts.effect[k], best);

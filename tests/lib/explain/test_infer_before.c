@@ -2,7 +2,7 @@
  * what it stands for. check: once */
 #include "forward_make.h"
 
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 
 #include <stdint.h>
 
@@ -45,7 +45,7 @@ static void explain(size_t n, palp_contact_form contact, palp_explanation *e) {
     const palp_model m = lumped_model(1);
     s.contact = contact;
     memset(s.candidate, 0, sizeof s.candidate);
-    ck_assert_msg(palp_infer(&m, n, input, &s, e, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_explain(&m, n, input, &s, e, &error) == PALP_OK, "%s", error.text);
     for (size_t r = 0; r < n; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
 }

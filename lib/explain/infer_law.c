@@ -330,7 +330,7 @@ static palp_status weigh(const infer_search *s, const palp_law *law, const infer
     return status ? status : weigh_family(fit, &s->data, law, m, score);
 }
 
-palp_status infer_law_choose(infer_search *s, const palp_infer_choice *choice) {
+palp_status infer_law_choose(infer_search *s, const palp_explain_choice *choice) {
     palp_law best = {.n = 0};
     size_t of = 0;
     double least = HUGE_VAL, score;

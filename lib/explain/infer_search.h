@@ -2,7 +2,7 @@
 #ifndef INFER_SEARCH_H
 #define INFER_SEARCH_H
 
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 
 #include "infer_internal.h"
 
@@ -84,7 +84,7 @@ palp_status infer_estimates_fill(infer_search *s, size_t n, const palp_explain_i
 
 /* In place of the spline of the fit at hand the most probable of the laws that choice has, if it is more
  * probable than that, or if the spline does not compete. (infer_law.c) */
-palp_status infer_law_choose(infer_search *s, const palp_infer_choice *choice);
+palp_status infer_law_choose(infer_search *s, const palp_explain_choice *choice);
 
 palp_effect_id infer_added_id(const infer_search *s, size_t i);
 

@@ -2,7 +2,7 @@
  * of derivatives tells how strong the bond is. check: once */
 #include "forward_make.h"
 
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 
 enum { RUNS = 3 };
 
@@ -40,7 +40,7 @@ static void explain(palp_explanation *e) {
     settings.candidate[PALP_EFFECT_ADHESION] = settings.candidate[PALP_EFFECT_SENSOR_BIAS] =
         settings.candidate[PALP_EFFECT_COULOMB_FRICTION] = 1;
     session(&truth);
-    ck_assert_msg(palp_infer(&given, RUNS, input, &settings, e, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_explain(&given, RUNS, input, &settings, e, &error) == PALP_OK, "%s", error.text);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
 }

@@ -1,7 +1,7 @@
-/* explain_noise.h: the noise of the runs and the lines in it. residual[data->n] holds all runs one after the
+/* explain_lines.h: the lines in what is left of the runs. residual[data->n] holds all runs one after the
  * other. Internal. */
-#ifndef EXPLAIN_NOISE_H
-#define EXPLAIN_NOISE_H
+#ifndef EXPLAIN_LINES_H
+#define EXPLAIN_LINES_H
 
 #include "explain_data.h"
 
@@ -9,18 +9,6 @@ enum {
     EXPLAIN_FREQUENCIES = 601, /* tried for the mains' line */
     EXPLAIN_PERIODS = 3        /* within the travel: with fewer it is no wave */
 };
-
-/* ---- explain_noise.c ---- */
-
-/* From a residual: white noise of each run, correlated noise (exponential correlation) of all, and the
- * filters. */
-palp_status explain_noise_find(explain_data *data, const double *residual);
-
-/* In place: each of x[count n] with the noise's correlation taken out and in units of its sd; masked samples
- * become 0. */
-void explain_whiten(const explain_run *run, size_t count, double *x);
-
-/* ---- explain_lines.c ---- */
 
 /* Whether the runs are sampled fast and long enough to show the mains. */
 bool explain_line_visible(const explain_data *data);
@@ -35,9 +23,6 @@ palp_status explain_line_in_time(const explain_data *data, const double *residua
                                  double *amplitude);
 palp_status explain_line_in_depth(const explain_data *data, const double *residual, double *period,
                                   double *amplitude, double *phase);
-
-/* Takes a line of that frequency off each run's residual. */
-void explain_line_take(const explain_data *data, double frequency, double *residual);
 
 /* The strongest lines at any frequency, and over depth. */
 palp_status explain_peak_in_time(const explain_data *data, const double *residual, palp_explain_peak *peak);

@@ -2,7 +2,7 @@
  */
 #include "forward_make.h"
 
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 #include <palpate/random.h>
 
 enum { RUNS = 8, EACH = 140 };
@@ -59,7 +59,7 @@ static palp_explanation explain(palp_effect_id other) {
     memset(s.candidate, 0, sizeof s.candidate);
     s.candidate[PALP_EFFECT_COULOMB_FRICTION] = s.candidate[other] = true;
     record(7);
-    ck_assert_msg(palp_infer(&m, RUNS, input, &s, &e, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_explain(&m, RUNS, input, &s, &e, &error) == PALP_OK, "%s", error.text);
     forget();
     return e;
 }
@@ -132,14 +132,14 @@ START_TEST(the_mean_of_specimens) {
     const palp_model specimen = {
         .kind = PALP_MODEL_LUMPED, .height_m = truth.height_m, .radius_m = truth.radius_m};
     const palp_explain_settings s = palp_explain_settings_default();
-    const palp_infer_choice choice = {.least_arms = 1, .most_arms = 1};
+    const palp_explain_choice choice = {.least_arms = 1, .most_arms = 1};
     palp_specimens_fit fit;
     palp_specimens_point point;
     palp_error error = {.text = ""};
     friction = 0;
     law_alone = false;
     record(7);
-    ck_assert_msg(palp_infer_material(&specimen, RUNS, input, &s, &choice, &fit, &error) == PALP_OK, "%s",
+    ck_assert_msg(palp_explain_material(&specimen, RUNS, input, &s, &choice, &fit, &error) == PALP_OK, "%s",
                   error.text);
     ck_assert_uint_eq(fit.n_specimens, RUNS);
     ck_assert_uint_eq(fit.n_spread, 1);

@@ -3,7 +3,7 @@
 #ifndef INFER_INTERNAL_H
 #define INFER_INTERNAL_H
 
-#include "explain/explain_fit.h"
+#include "explain_fit.h"
 
 /* What a run has of its own beside its discrepancy: zero, contact, gain, and the mains' sine and cosine. */
 enum { INFER_ZERO, INFER_CONTACT, INFER_GAIN, INFER_SINE, INFER_COSINE, INFER_OWN };

@@ -1,5 +1,5 @@
 /* infer_material.c: a lumped solid from runs: a law, and as many arms as the evidence wants. */
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 
 #include "base/file.h"
 #include "infer_search.h"
@@ -70,7 +70,7 @@ static palp_status start(infer_search *s, palp_model *model) {
 }
 
 static palp_status characterize(infer_search *s, palp_model *model, size_t n,
-                                const palp_explain_input *inputs, const palp_infer_choice *choice,
+                                const palp_explain_input *inputs, const palp_explain_choice *choice,
                                 palp_specimens_fit *fit) {
     s->residual = malloc(2 * s->data.n * sizeof *s->residual);
     if (!s->residual)
@@ -94,7 +94,7 @@ static void share_contact(palp_model *model, const palp_explain_settings *settin
         palp_effect_default(PALP_EFFECT_CONTACT_OFFSET, &model->effects[model->n_effects++]);
 }
 
-static palp_status check(const palp_model *specimen, size_t n, const palp_infer_choice *choice,
+static palp_status check(const palp_model *specimen, size_t n, const palp_explain_choice *choice,
                          palp_error *error) {
     if (n == 0 || choice->least_arms > choice->most_arms || choice->most_arms > PALP_ARMS_MAX ||
         specimen->n_effects > PALP_EFFECTS_MAX - 4)
@@ -104,8 +104,8 @@ static palp_status check(const palp_model *specimen, size_t n, const palp_infer_
     return PALP_OK;
 }
 
-palp_status palp_infer_material(const palp_model *specimen, size_t n, const palp_explain_input *inputs,
-                                const palp_explain_settings *settings, const palp_infer_choice *choice,
+palp_status palp_explain_material(const palp_model *specimen, size_t n, const palp_explain_input *inputs,
+                                const palp_explain_settings *settings, const palp_explain_choice *choice,
                                 palp_specimens_fit *fit, palp_error *error) {
     if (!specimen || !inputs || !settings || !choice || !fit)
         return palp_error_null(error);

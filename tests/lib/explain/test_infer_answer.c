@@ -1,7 +1,7 @@
 /* test_infer_answer.c: what is left out, the next run and the law's family, from fits made by hand. */
 #include "base/dense.h"
 #include "forward_make.h"
-#include "infer/infer_answer.h"
+#include "explain/infer_answer.h"
 
 #include <palpate/random.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* test_infer.c: effects hidden in samples, found by the odds of their evidence. */
 #include "forward_make.h"
 
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 #include <palpate/random.h>
 
 enum { RUNS = 4, EACH = 220 };
@@ -44,7 +44,7 @@ static void ask(double force, double length, palp_explanation *e) {
     m.material.arms[0].stiffness_N *= force;
     m.material.arms[0].viscosity_Ns *= 1.1 * force;
     m.height_m *= length;
-    ck_assert_msg(palp_infer(&m, RUNS, input, &s, e, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_explain(&m, RUNS, input, &s, e, &error) == PALP_OK, "%s", error.text);
 }
 
 static const struct {
@@ -158,7 +158,7 @@ START_TEST(a_law_of_another_family_is_its_own_word) {
     ck_assert_int_eq(palp_law_polynomial(3, truth_N, &m.material.law), PALP_OK);
     record(&m, 1, 1);
     ck_assert_int_eq(palp_law_polynomial(2, given_N, &m.material.law), PALP_OK);
-    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+    ck_assert_int_eq(palp_explain(&m, RUNS, input, &s, &e, NULL), PALP_OK);
     ck_assert_int_eq(e.verdict, PALP_EXPLAIN_ANOTHER_LAW);
     ck_assert_int_eq(e.base.material.law.kind, PALP_LAW_POLYNOMIAL);
     ck_assert_double_gt(e.law.without_N, 1.1 * e.gap.after_N);
@@ -182,14 +182,14 @@ START_TEST(contacts_may_be_known) {
         for (size_t i = 0; i < EACH; i++)
             depth_mm[i] += 1e3 * by_m[r];
     }
-    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+    ck_assert_int_eq(palp_explain(&m, RUNS, input, &s, &e, NULL), PALP_OK);
     ck_assert(e.contact.found);
     ck_assert_double_gt(e.contact.evidence, 10);
     ck_assert_double_gt(e.contact.without_N, 1.5 * e.gap.after_N);
     ck_assert_double_eq_tol(e.contact.sd, 1e-4, 6e-5);
     palp_explanation_free(&e);
     s.contact = PALP_CONTACT_KNOWN;
-    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+    ck_assert_int_eq(palp_explain(&m, RUNS, input, &s, &e, NULL), PALP_OK);
     ck_assert_double_eq(e.contact.sd, 0);
     ck_assert(!e.contact.found);
     ck_assert_double_gt(e.gap.after_N, 3e-3); /* nothing takes it in whole */
@@ -224,9 +224,9 @@ static void characterize(size_t least, size_t most, palp_lumped_fit *fit) {
     palp_model specimen = {.kind = PALP_MODEL_LUMPED, .height_m = HEIGHT};
     palp_error error = {.text = ""};
     const palp_explain_settings s = palp_explain_settings_default();
-    const palp_infer_choice choice = {.least_arms = least, .most_arms = most};
+    const palp_explain_choice choice = {.least_arms = least, .most_arms = most};
     palp_specimens_fit all;
-    ck_assert_msg(palp_infer_material(&specimen, RUNS, input, &s, &choice, &all, &error) == PALP_OK, "%s",
+    ck_assert_msg(palp_explain_material(&specimen, RUNS, input, &s, &choice, &all, &error) == PALP_OK, "%s",
                   error.text);
     ck_assert_uint_eq(all.n_specimens, 0);
     *fit = all.mean;
@@ -272,16 +272,16 @@ START_TEST(so_many_arms_as_asked_for) {
     palp_specimens_fit none;
     palp_error error;
     const palp_explain_settings s = palp_explain_settings_default();
-    const palp_infer_choice less = {.least_arms = 2, .most_arms = 1}, no_law = {.no_spline = true};
+    const palp_explain_choice less = {.least_arms = 2, .most_arms = 1}, no_law = {.no_spline = true};
     truth.material.arms[0].viscosity_Ns = 5.0;
     record(&truth, 1, 1);
     characterize(1, 1, &fit);
     ck_assert_uint_eq(fit.material.n_arms, 1);
     palp_lumped_fit_free(&fit);
-    ck_assert_int_eq(palp_infer_material(&truth, RUNS, input, &s, &less, &none, &error), PALP_ERR_ARGUMENT);
-    ck_assert_int_eq(palp_infer_material(&truth, RUNS, input, &s, &no_law, &none, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_explain_material(&truth, RUNS, input, &s, &less, &none, &error), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_explain_material(&truth, RUNS, input, &s, &no_law, &none, &error), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(
-        palp_infer_material(&truth, 0, input, &s, &(palp_infer_choice){.most_arms = 1}, &none, &error),
+        palp_explain_material(&truth, 0, input, &s, &(palp_explain_choice){.most_arms = 1}, &none, &error),
         PALP_ERR_ARGUMENT);
     forget();
 }
@@ -303,7 +303,7 @@ START_TEST(a_search_that_is_stopped_tells_what_it_found) {
         int left = found ? 3 * PALP_EFFECT_COUNT : 0;
         palp_explanation e;
         s.stop_user = &left;
-        ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_OK);
+        ck_assert_int_eq(palp_explain(&m, RUNS, input, &s, &e, NULL), PALP_OK);
         ck_assert(e.stopped);
         ck_assert_uint_eq(e.n_runs, RUNS);
         ck_assert_uint_eq(e.n_effects, (size_t)found);
@@ -321,9 +321,9 @@ START_TEST(what_it_cannot_do_is_refused) {
     palp_explanation e;
     palp_explain_settings s = palp_explain_settings_default();
     record(&m, 1, 1);
-    ck_assert_int_eq(palp_infer(&m, 0, input, &s, &e, NULL), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_explain(&m, 0, input, &s, &e, NULL), PALP_ERR_ARGUMENT);
     s.max_effects = PALP_EFFECTS_MAX;
-    ck_assert_int_eq(palp_infer(&m, RUNS, input, &s, &e, NULL), PALP_ERR_LIMIT);
+    ck_assert_int_eq(palp_explain(&m, RUNS, input, &s, &e, NULL), PALP_ERR_LIMIT);
     forget();
 }
 END_TEST

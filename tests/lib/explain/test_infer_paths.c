@@ -2,7 +2,7 @@
  * without a way back. check: once */
 #include "forward_make.h"
 
-#include <palpate/infer.h>
+#include <palpate/explain.h>
 #include <palpate/random.h>
 
 enum { RUNS = 4 };
@@ -32,7 +32,7 @@ static palp_explanation explain(const palp_model *given) {
     const palp_explain_settings settings = palp_explain_settings_default();
     palp_explanation e;
     palp_error error = {.text = ""};
-    ck_assert_msg(palp_infer(given, RUNS, input, &settings, &e, &error) == PALP_OK, "%s", error.text);
+    ck_assert_msg(palp_explain(given, RUNS, input, &settings, &e, &error) == PALP_OK, "%s", error.text);
     for (size_t r = 0; r < RUNS; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
     return e;

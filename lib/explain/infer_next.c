@@ -1,7 +1,7 @@
 /* infer_next.c: the run of which one expects most: what its forces by one set of effects would say against
  * another set, all that a run has of its own and what the parameters leave open taken into account. */
 #include "infer_answer.h"
-#include "explain/explain_result.h"
+#include "explain_result.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
  * samples, written out. */
 #include "base/dense.h"
 #include "forward_make.h"
-#include "explain/explain_noise.h"
-#include "infer/infer_internal.h"
+#include "explain/explain_lines.h"
+#include "explain/infer_internal.h"
 
 #include <palpate/random.h>
 
