@@ -267,14 +267,29 @@ static void take_slopes(const explain_run *run, const palp_model *own, const dou
     }
 }
 
+/* What is left of run r about which its columns are linear. */
+static void take_residual(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
+                          double *out) {
+    const explain_run *run = &data->run[r];
+    const size_t n = run->n;
+    const double *own = out + fit->k * n, *specimen = own + INFER_BLOCK * n,
+                 *b = fit->specimen + r * INFER_SPECIMEN;
+    double *y = out + (fit->m - 1) * n;
+    for (size_t i = 0; i < n; i++) {
+        y[i] = run->force[i] - force[i] + fit->c.contact[r] * own[INFER_CONTACT * n + i] +
+               fit->c.gain[r] * own[INFER_GAIN * n + i];
+        for (size_t a = 0; a < INFER_SPECIMEN; a++)
+            y[i] += b[a] * specimen[a * n + i];
+    }
+}
+
 /* gradient: [columns of the full model, n]; force: [n]. */
 static void take_columns(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
                          double *gradient, const size_t column[2], double *out) {
     const explain_run *run = &data->run[r];
     const size_t n = run->n, k = fit->k;
-    double *own = out + k * n, *y = out + (fit->m - 1) * n, *specimen = own + INFER_BLOCK * n;
-    const double *b = fit->specimen + r * INFER_SPECIMEN;
-    take_specimen(fit, run, r, gradient, specimen);
+    double *own = out + k * n;
+    take_specimen(fit, run, r, gradient, own + INFER_BLOCK * n);
     memcpy(own + INFER_CONTACT * n, gradient + column[0] * n, n * sizeof *own);
     memcpy(own + INFER_GAIN * n, gradient + column[1] * n, n * sizeof *own);
     explain_chain(&fit->c, n, gradient);
@@ -284,15 +299,13 @@ static void take_columns(const infer_fit *fit, const explain_data *data, size_t 
         own[INFER_ZERO * n + i] = 1.0;
         own[INFER_SINE * n + i] = fit->c.hum_Hz > 0.0 ? sin(turn) : 0.0;
         own[INFER_COSINE * n + i] = fit->c.hum_Hz > 0.0 ? cos(turn) : 0.0;
-        y[i] = run->force[i] - force[i] + fit->c.contact[r] * own[INFER_CONTACT * n + i] +
-               fit->c.gain[r] * own[INFER_GAIN * n + i];
-        for (size_t a = 0; a < INFER_SPECIMEN; a++)
-            y[i] += b[a] * specimen[a * n + i];
     }
+    take_residual(fit, data, r, force, out);
     infer_hats(data, r, fit->c.contact[r], own + INFER_OWN * n);
 }
 
-palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
+/* Forces of fit->c.model, run by run, and what becomes of them; with gradients, if the columns are wanted. */
+static palp_status evaluate(infer_fit *fit, const explain_data *data, bool columns_too) {
     palp_model full;
     size_t column[2];
     palp_status status = explain_augment(&fit->c.model, &full, &column[0], &column[1]);
@@ -306,18 +319,50 @@ palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
         palp_forward_run path = explain_forward_run(&data->run[r], fit->c.contact[r], &history);
         palp_model own = full;
         explain_add_gain(&own, fit->c.gain[r]);
-        double *gradient = work + data->run[r].n;
+        double *gradient = work + data->run[r].n, *out = fit->raw + at * fit->m;
         status = make_own(fit, &data->run[r], r, &own);
         if (!status)
-            status = explain_predict(&own, &path, work, gradient, NULL);
-        if (status)
-            break;
-        take_slopes(&data->run[r], &own, work, gradient + column[0] * data->run[r].n, fit->sample + at);
-        take_columns(fit, data, r, work, gradient, column, fit->raw + at * fit->m);
+            status = explain_predict(&own, &path, work, columns_too ? gradient : NULL, NULL);
+        if (!status && columns_too) {
+            take_slopes(&data->run[r], &own, work, gradient + column[0] * data->run[r].n, fit->sample + at);
+            take_columns(fit, data, r, work, gradient, column, out);
+        } else if (!status)
+            take_residual(fit, data, r, work, out);
     }
     palp_load_history_free(&history.load);
     free(work);
+    return status;
+}
+
+palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
+    palp_status status = evaluate(fit, data, true);
     return status ? status : infer_fit_products(fit, data);
+}
+
+palp_status infer_fit_reevaluate(infer_fit *fit, const explain_data *data) {
+    const size_t m = fit->m, n_most = data->longest;
+    size_t list[EXPLAIN_COLUMNS + INFER_BLOCK + INFER_SPECIMEN + 1];
+    const size_t n_active = infer_active_columns(fit, list);
+    palp_status status = evaluate(fit, data, false);
+    double *x = status ? NULL : malloc(((INFER_FILTER + 3) * n_most + INFER_STATES) * sizeof *x);
+    if (!x)
+        return status ? status : PALP_ERR_NO_MEMORY;
+    double *variance = x + n_most, *inverse = variance + n_most, *work = inverse + n_most;
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
+        const explain_run *run = &data->run[r];
+        const double *raw = fit->raw + at * m;
+        double *product = fit->product + r * m * m;
+        memcpy(x, raw + (m - 1) * run->n, run->n * sizeof *x);
+        infer_variance(fit, run->n, fit->sample + at, variance);
+        infer_whiten(&fit->noise, run->n, run->time, fit->sample + at, variance, run->use, 1, x, work);
+        product[m * m - 1] = dense_dot(run->n, x, x);
+        infer_unwhiten(run->n, work, x, inverse);
+        for (size_t a = 0; a + 1 < n_active; a++)
+            product[list[a] * m + m - 1] = product[(m - 1) * m + list[a]] =
+                dense_dot(run->n, raw + list[a] * run->n, x);
+    }
+    free(x);
+    return PALP_OK;
 }
 
 size_t infer_active_columns(const infer_fit *fit, size_t *list) {

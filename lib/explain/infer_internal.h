@@ -270,6 +270,9 @@ size_t infer_active_columns(const infer_fit *fit, size_t *list);
  */
 palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_products(infer_fit *fit, const explain_data *data);
+/* Forces of fit->c.model beside the columns and the noise at hand, which were found near by; and their
+ * products. Much cheaper than infer_fit_evaluate. */
+palp_status infer_fit_reevaluate(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_score(infer_fit *fit, const explain_data *data);
 void infer_take_scores(infer_fit *fit, const infer_posterior *p);
 /* From the columns at hand to better parameters. (infer_improve.c) */

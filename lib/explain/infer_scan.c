@@ -100,17 +100,18 @@ static palp_status refine(grid *g, look *add, places *p) {
     return status;
 }
 
-static palp_status go_to(grid *g, double strength) {
+/* near: other columns are those of a place near by. */
+static palp_status go_to(grid *g, double strength, bool near) {
     g->fit->c.x[g->strength] = strength;
     palp_status status = explain_fit_to_model(&g->fit->c);
     if (!status)
-        status = infer_fit_evaluate(g->fit, g->data);
+        status = (near ? infer_fit_reevaluate : infer_fit_evaluate)(g->fit, g->data);
     return status ? status : infer_fit_score(g->fit, g->data);
 }
 
 /* One that makes no model is not probable. */
 static palp_status add_strength(grid *g, double at, places *p) {
-    palp_status status = go_to(g, at);
+    palp_status status = go_to(g, at, p->n > 0 && isfinite(p->score[best_of(p)]));
     const size_t i = insert(p, at);
     p->score[i] = status ? -HUGE_VAL : g->fit->promised;
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
@@ -196,9 +197,9 @@ static palp_status settle(grid *g) {
     const double most = there->score[best_of(there)], median = find_intervals(g);
     if (g->both)
         g->fit->c.x[g->other] = g->outer.at[best];
-    palp_status status = go_to(g, median);
+    palp_status status = go_to(g, median, false);
     if (status != PALP_ERR_NO_MEMORY && (status || g->fit->promised < most - 0.5 * NEGLIGIBLE))
-        status = go_to(g, there->at[best_of(there)]);
+        status = go_to(g, there->at[best_of(there)], false);
     if (status)
         return status;
     strength->spread = exp(g->outer.score[best] - g->fit->promised);
