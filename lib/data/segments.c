@@ -22,13 +22,6 @@ void segments_bends(size_t n, const double *depth, double *bend) {
         bend[i - 1] = fabs(depth[i - 1] - 2.0 * depth[i] + depth[i + 1]);
 }
 
-size_t segments_still_end(size_t n, const double *depth, size_t i, double within) {
-    size_t end = i + 1;
-    while (end < n && fabs(depth[end] - depth[i]) < within)
-        end++;
-    return end;
-}
-
 void segments_ramp(size_t n, const double *depth, double deepest, size_t *start, size_t *end) {
     double from = fmax(depth[0], 0.0);
     size_t i = 0;

@@ -20,8 +20,9 @@ bool segments_cone_take(segments_cone *cone, double time, double way, double tol
 /* bend[n - 2]: absolute second differences of the path, in the order of the samples. */
 void segments_bends(size_t n, const double *depth, double *bend);
 
-/* The first sample after i whose depth differs from that at i by more than within, or n. */
-size_t segments_still_end(size_t n, const double *depth, size_t i, double within);
+/* palp_segments_phases, and stood[n]: for how long the plate stands still; negative where it moves. */
+palp_status segments_phases(size_t n, const double *time, const double *depth, const double *force,
+                            unsigned char *phase, double *stood);
 
 /* First motion into the specimen, from the larger of the start and 0 to the largest depth: its first and last
  * sample. */

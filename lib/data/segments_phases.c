@@ -19,6 +19,7 @@ const char *palp_phase_name(palp_phase phase) {
 typedef struct walk {
     const double *time, *depth;
     unsigned char *phase;
+    double *stood; /* NULL, or [n] for how long the plate stands still; negative where it moves */
     bool touched, unloaded;
     double motion_s; /* duration of the last motion in the specimen; 0 = none yet */
 } walk;
@@ -49,6 +50,8 @@ static void assign_dwell_phases(walk *w, size_t first, size_t last) {
     double early = w->motion_s > 0.0 ? EARLY * w->motion_s : HUGE_VAL;
     for (size_t i = first; i < last; i++) {
         double since = w->time[i] - w->time[first];
+        if (w->stood)
+            w->stood[i] = since;
         assign_sample_phase(w, i,
                             since < CORNER * w->motion_s ? PALP_PHASE_CORNER
                             : since < early              ? PALP_PHASE_EARLY_DWELL
@@ -125,18 +128,28 @@ static palp_status assign_all_creep_phases(walk *w, size_t n, const double *forc
     return PALP_OK;
 }
 
-palp_status palp_segments_phases(size_t n, const double *time, const double *depth, const double *force,
-                                 unsigned char *phase) {
+palp_status segments_phases(size_t n, const double *time, const double *depth, const double *force,
+                            unsigned char *phase, double *stood) {
     palp_pieces pieces;
-    if (!time || !depth || !phase)
-        return PALP_ERR_ARGUMENT;
     palp_status status = palp_segments_pieces(n, time, depth, &pieces);
     if (status)
         return status;
-    walk w = {.time = time, .depth = depth, .phase = phase};
+    walk w = {.time = time, .depth = depth, .phase = phase, .stood = stood};
+    for (size_t i = 0; stood && i < n; i++)
+        stood[i] = -1.0;
     for (size_t k = 0; k < pieces.n; k++)
         assign_piece_phases(&w, &pieces, k);
     assign_sample_phase(&w, n - 1, n > 1 ? (palp_phase)phase[n - 2] : PALP_PHASE_RAMP);
     palp_pieces_free(&pieces);
-    return force ? assign_all_creep_phases(&w, n, force) : PALP_OK;
+    status = force ? assign_all_creep_phases(&w, n, force) : PALP_OK;
+    if (stood && n > 1 && stood[n - 2] >= 0.0)
+        stood[n - 1] = stood[n - 2] + time[n - 1] - time[n - 2];
+    return status;
+}
+
+palp_status palp_segments_phases(size_t n, const double *time, const double *depth, const double *force,
+                                 unsigned char *phase) {
+    if (!time || !depth || !phase)
+        return PALP_ERR_ARGUMENT;
+    return segments_phases(n, time, depth, force, phase, NULL);
 }

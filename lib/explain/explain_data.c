@@ -57,13 +57,14 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
     const double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
                  *force = palp_experiment_column(e, "force_N");
     run->n = palp_experiment_rows(e);
-    double *block = malloc(3 * run->n * sizeof *block);
+    double *block = malloc(4 * run->n * sizeof *block);
     run->time = block;
     run->use = malloc(2 * run->n);
     if (!block || !run->use)
         return PALP_ERR_NO_MEMORY;
     run->depth = block + run->n;
     run->force = block + 2 * run->n;
+    run->stood = block + 3 * run->n;
     run->phase = run->use + run->n;
     memset(run->use, 1, run->n);
     run->start = time[0];
@@ -310,7 +311,7 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
         return status;
     run->session = explain_number_of(e, "session.start_s", NAN);
     take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
-    status = palp_segments_phases(run->n, run->time, run->depth, run->force, run->phase);
+    status = segments_phases(run->n, run->time, run->depth, run->force, run->phase, run->stood);
     if (status)
         return status;
     palp_status masked = mask_spikes(data, r);

@@ -29,11 +29,11 @@ expect 0 explain --model guess.json plain?.csv --result plain.out
 grep -q '"verdict": "agrees"' plain.out || fail "nothing hidden: $(cat out)"
 grep -q '"effects": \[\]' plain.out || fail "an effect where none is"
 
-expect 0 explain --likelihood --model guess.json plain?.csv --result plain.out
+expect 0 explain --model guess.json plain?.csv --result plain.out
 grep -q '"verdict": "agrees"' plain.out || fail "nothing hidden, by the likelihood: $(cat out)"
 model 2.1 '"effects": [{"id": "sensor_lag", "parameters": {"time_s": 0.1}}],' >true.json
 runs rough
-expect 0 explain --likelihood --model guess.json rough?.csv --result rough.out --out rough.json
+expect 0 explain --model guess.json rough?.csv --result rough.out --out rough.json
 grep -q '"id": "sensor_lag"' rough.json || fail "a lag, by the likelihood: $(cat out)"
 near "lag by the likelihood" "$(value rough.out time_s)" 0.1 0.01
 model 2.1 "" >true.json
@@ -64,11 +64,11 @@ near "common contact" "$(value off.out offset_mm)" 0.078 0.082
 expect 0 explain --model guess.json off?.csv --contact known --candidates contact_offset,sensor_bias --result off.out
 ! grep -q '"id": "contact_offset"' off.out || fail "a known contact is accused: $(cat out)"
 expect 2 explain --model guess.json off?.csv --contact auto
-expect 0 explain --likelihood --model guess.json off?.csv --contact common --candidates contact_offset,sensor_bias \
+expect 0 explain --model guess.json off?.csv --contact common --candidates contact_offset,sensor_bias \
     --result off.out
 grep -q '"verdict": "explained"' off.out || fail "--contact common, by the likelihood: $(cat out)"
 near "common contact by the likelihood" "$(value off.out offset_mm)" 0.08 0.05
-expect 0 explain --likelihood --model guess.json off?.csv --contact known --candidates contact_offset,sensor_bias \
+expect 0 explain --model guess.json off?.csv --contact known --candidates contact_offset,sensor_bias \
     --result off.out
 ! grep -q '"id": "contact_offset"' off.out || fail "a known contact is accused by the likelihood: $(cat out)"
 
@@ -82,7 +82,7 @@ grep -q '"verdict": "agrees"' told.out || fail "contacts of which a file says ho
 awk -v a="$(value told.out contact_scatter_mm)" -v b="$(value plain.out contact_scatter_mm)" 'BEGIN { exit !(a > 0.05 && a > 5 * b) }' ||
     fail "contact.sd_mm is not what is expected: $(value told.out contact_scatter_mm), $(value plain.out contact_scatter_mm) mm without"
 
-expect 0 explain --likelihood --model guess.json told?.csv --max-effects 0 --result told.out
+expect 0 explain --model guess.json told?.csv --max-effects 0 --result told.out
 awk -v a="$(value told.out contact_scatter_mm)" 'BEGIN { exit !(a > 0.05) }' ||
     fail "contact.sd_mm by the likelihood: $(value told.out contact_scatter_mm) mm"
 

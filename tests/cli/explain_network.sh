@@ -40,9 +40,9 @@ grep -q '"verdict": "explained"' lag.out || fail "a hidden lag: $(cat out)"
 near "the lag" "$(sed -n 's/.*"time_s": *\([0-9.]*\).*/\1/p' lag_explained.json)" 0.08 0.03
 grep -q '"kind": "network"' lag_explained.json || fail "what comes out is no network"
 
-expect 0 explain --likelihood --model guess.json true?.csv $some --result true.out
+expect 0 explain --model guess.json true?.csv $some --result true.out
 grep -q '"verdict": "agrees"' true.out || fail "nothing hidden, by the likelihood: $(cat out)"
-expect 0 explain --likelihood --model guess.json lag?.csv $some --result lag.out --out lag_likely.json
+expect 0 explain --model guess.json lag?.csv $some --result lag.out --out lag_likely.json
 grep -q '"verdict": "explained"' lag.out || fail "a hidden lag, by the likelihood: $(cat out)"
 near "the lag by the likelihood" "$(sed -n 's/.*"time_s": *\([0-9.]*\).*/\1/p' lag_likely.json)" 0.08 0.03
 

@@ -74,13 +74,13 @@ model "8.2, 3.1" "" >guess.json
 # Another law, and an effect beside one that the given model has already.
 model "5.2, 0.5, 90" "" >true.json
 runs law
-expect 0 explain --likelihood --model guess.json law?.csv --result law.out --out law.json
+expect 0 explain --model guess.json law?.csv --result law.out --out law.json
 grep -q '"verdict": "another_law"' law.out || fail "another law: $(cat out)"
 replay law law?.csv
 
 model "8.2, 3.1" '{"id": "sensor_lag", "parameters": {"time_s": 0.1}}' >true.json
 runs lag
-expect 0 explain --likelihood --model guess.json lag?.csv --result lag.out --out lag.json
+expect 0 explain --model guess.json lag?.csv --result lag.out --out lag.json
 grep -q '"id": "sensor_lag"' lag.json || fail "a lag: $(cat out)"
 replay lag lag?.csv
 done_testing

@@ -74,7 +74,7 @@ done
 expect 0 explain --model guess.json power_?.csv --candidates power_law_relaxation,poroelastic,relaxation_arm --next next.json --json && mv out explain_power.json
 [ -s next.json ] || fail "no next experiment: $(grep verdict explain_power.json)"
 # The likelihood with few samples: it cannot tell them apart either.
-expect 0 explain --likelihood --every 6 --false-alarm 0.01 --model guess.json power_?.csv --candidates power_law_relaxation,poroelastic,relaxation_arm \
+expect 0 explain --every 6 --false-alarm 0.01 --model guess.json power_?.csv --candidates power_law_relaxation,poroelastic,relaxation_arm \
     --json && mv out explain_likely.json
 grep -q '"nats"' explain_likely.json || fail "no next experiment by the likelihood: $(grep verdict explain_likely.json)"
 expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --degree 2 --steps 2000 --out static.json --json && mv out cal_static.json

@@ -68,7 +68,7 @@ for factors in "1 1 1" "1e3 1 1" "1e-3 1 1" "1 10 1" "1 1 10"; do
     for run in static hold3; do scaled $factors $run.csv >other_$run.csv; done
     expect 0 characterize other_static.csv other_hold3.csv --arms 1 --degree 3 --out other.json --force
     expect 0 explain --model other.json other_static.csv other_hold3.csv --every 8 --max-effects 1 --candidates coulomb_friction --result found.json --force
-    expect 0 explain --likelihood --model other.json other_static.csv other_hold3.csv --every 8 --max-effects 1 --candidates coulomb_friction --result likely.json --force
+    expect 0 explain --model other.json other_static.csv other_hold3.csv --every 8 --max-effects 1 --candidates coulomb_friction --result likely.json --force
     sed -n '/^ *"verdict"/p; /^ *"id"/p' found.json likely.json >words
     expect 0 calibrate other.json --stage static --nodes 3 --out network.json --force
     expect 0 simulate other.json --like other_hold3.csv --out simulated.csv --force
