@@ -140,28 +140,30 @@ static double log_determinant(size_t n, double *a) {
     return dense_cholesky(n, a) ? dense_log_determinant(n, a) : NAN;
 }
 
-/* Precision m[p p] that the prior of the spline means for the given law's coefficients. */
+/* The prior of the spline on the laws of a family, linear about one of them: precision m[p p] of the
+ * coefficients, and its slope[p] there, by which the coefficients are off its mean. */
 static palp_status family_prior(const infer_fit *fit, const explain_data *data, const palp_law *given,
-                                double *m) {
+                                double *m, double *pull) {
     const palp_law *knots = &fit->c.model.material.law;
     const size_t k = fit->k, n = knots->n;
-    double log_det, typical, x[PALP_LAW_MAX], zero[PALP_LAW_MAX] = {0.0}, g[PALP_LAW_MAX],
-                                              slope[PALP_LAW_MAX * PALP_LAW_MAX],
-                                              block[PALP_LAW_MAX * PALP_LAW_MAX];
+    double log_det, typical, x[PALP_LAW_MAX], slope[PALP_LAW_MAX * PALP_LAW_MAX],
+        block[PALP_LAW_MAX * PALP_LAW_MAX];
     double *q = malloc(k * k * sizeof *q);
     palp_status status = q ? infer_prior(fit, data, q, &log_det) : PALP_ERR_NO_MEMORY;
     if (!status) {
         take_law_block(k, n, q, block);
         palp_law_stiffness(given, knots->strain[n - 1], &typical, NULL);
         sample_law(given, knots, SOFTEST * fabs(typical), x, slope);
-        project(n, given->n, block, slope, zero, m, g);
+        for (size_t a = 0; a < n; a++)
+            x[a] -= fit->given[a];
+        project(n, given->n, block, slope, x, m, pull);
     }
     free(q);
     return status;
 }
 
 /* Posterior over prior density on the family's laws, which are a part of all laws (Dickey 1971); Laplace. The
- * given law is the mean of the prior. */
+ * mean of the prior, a constant stiffness, is one of the family. */
 palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, const palp_law *given,
                               palp_law *nearest, double *nats) {
     const palp_law *knots = &fit->c.model.material.law;
@@ -171,9 +173,10 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
         return PALP_OK;
     law_posterior *law = calloc(1, sizeof *law);
     palp_status status = law ? find_law_posterior(fit, data, law) : PALP_ERR_NO_MEMORY;
-    double before[PALP_LAW_MAX * PALP_LAW_MAX], after[PALP_LAW_MAX * PALP_LAW_MAX], typical;
+    double before[PALP_LAW_MAX * PALP_LAW_MAX], after[PALP_LAW_MAX * PALP_LAW_MAX], pull[PALP_LAW_MAX],
+        typical;
     if (!status)
-        status = family_prior(fit, data, given, before);
+        status = family_prior(fit, data, given, before, pull);
     if (!status) {
         const size_t n = law->n, p = given->n;
         palp_law_stiffness(given, knots->strain[n - 1], &typical, NULL);
@@ -189,16 +192,18 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
 
 /* ---- the family's own fit ---- */
 
-/* Log evidence of the family's fit under m, its prior's precision about the given coefficients, in place of
- * the wide one. */
-static palp_status weigh_family(const infer_fit *fit, const explain_data *data, const palp_law *given,
-                                const double *m, double *score) {
+/* Log evidence of the family's fit under the prior of the spline's, in place of the wide one. */
+static palp_status weigh_family(const infer_fit *spline, const infer_fit *fit, const explain_data *data,
+                                double *score) {
     enum { N = PALP_LAW_MAX };
-    const size_t k = fit->k, p = given->n;
-    double s[N * N], sum[N * N], prior[N * N], d[N], by_m[N], by_s[N], widths = 0.0;
-    infer_posterior posterior;
+    const palp_law *law = &fit->c.model.material.law;
+    const size_t k = fit->k, p = law->n;
+    double s[N * N], sum[N * N], m[N * N], d[N], by_m[N], by_s[N], widths = 0.0;
+    infer_posterior posterior = {.memory = NULL};
     double *work = malloc(k * k * sizeof *work);
-    palp_status status = work ? infer_posterior_find(fit, data, &posterior) : PALP_ERR_NO_MEMORY;
+    palp_status status = work ? family_prior(spline, data, law, m, by_m) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = infer_posterior_find(fit, data, &posterior);
     if (!status && !eliminate_others(k, p, posterior.normal, work, s))
         status = PALP_ERR_SINGULAR;
     if (work && posterior.memory)
@@ -207,17 +212,16 @@ static palp_status weigh_family(const infer_fit *fit, const explain_data *data, 
     if (status)
         return status;
     for (size_t a = 0; a < p; a++) {
-        d[a] = fit->c.x[a] - given->coefficients[a];
+        d[a] = by_m[a];
         widths += log(fit->width[a]);
     }
-    for (size_t a = 0; a < p * p; a++) {
-        prior[a] = m[a];
+    for (size_t a = 0; a < p * p; a++)
         sum[a] = s[a] + m[a];
-    }
-    dense_times(p, p, 1.0, m, d, 0.0, by_m);
+    const double log_m = log_determinant(p, m);
+    if (isfinite(log_m))
+        dense_cholesky_solve(p, m, 1, d);
     dense_times(p, p, 1.0, s, d, 0.0, by_s);
-    const double log_m = log_determinant(p, prior), log_s = log_determinant(p, s),
-                 log_sum = log_determinant(p, sum);
+    const double log_s = log_determinant(p, s), log_sum = log_determinant(p, sum);
     if (isfinite(log_sum))
         dense_cholesky_solve(p, sum, 1, by_m);
     *score = fit->score + widths + 0.5 * (log_m + log_s - log_sum - dense_dot(p, by_s, by_m));
@@ -236,9 +240,7 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
         infer_fit_take_state(&s->fit, &s->data, fit);
         status = infer_fit_evaluate(fit, &s->data);
         if (!status)
-            status = infer_fit_improve(fit, &s->data, 8);
-        if (!status)
-            status = infer_noise_learn(fit, &s->data, 15, true);
+            status = infer_fit_converge(fit, &s->data);
         if (!status)
             status = infer_residual(fit, &s->data, work, work + s->data.n);
         if (!status)
@@ -253,16 +255,14 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
 /* What the spline is worth over the family's own fit: a family need not be the spline at its knots. */
 static palp_status compare_fits(const infer_search *s, const palp_material *given, const palp_law *nearest,
                                 double *nats, double *rms_N) {
-    double m[PALP_LAW_MAX * PALP_LAW_MAX], score;
+    double score;
     infer_fit fit;
-    palp_status status = family_prior(&s->fit, &s->data, &given->law, m);
     palp_material driven = *given;
     driven.quasi_linear = s->fit.c.model.material.quasi_linear;
-    if (!status)
-        status = fit_given(s, &driven, nearest, &fit, rms_N);
+    palp_status status = fit_given(s, &driven, nearest, &fit, rms_N);
     if (status)
         return status;
-    status = weigh_family(&fit, &s->data, &given->law, m, &score);
+    status = weigh_family(&s->fit, &fit, &s->data, &score);
     if (!status)
         *nats = s->fit.score - score;
     infer_fit_free(&fit);
@@ -321,18 +321,14 @@ static palp_status judge(const infer_search *s, const palp_law *law, palp_law *n
 }
 
 /* Its own log evidence, with the spline's prior on the family. */
-static palp_status weigh(const infer_search *s, const palp_law *law, const infer_fit *fit, double *score) {
-    double m[PALP_LAW_MAX * PALP_LAW_MAX];
+static palp_status weigh(const infer_search *s, const infer_fit *fit, double *score) {
     *score = fit->score;
-    if (law->kind == PALP_LAW_SPLINE)
-        return PALP_OK;
-    palp_status status = family_prior(&s->fit, &s->data, law, m);
-    return status ? status : weigh_family(fit, &s->data, law, m, score);
+    return fit->c.model.material.law.kind == PALP_LAW_SPLINE ? PALP_OK
+                                                             : weigh_family(&s->fit, fit, &s->data, score);
 }
 
 palp_status infer_law_choose(infer_search *s, const palp_explain_choice *choice) {
     palp_law best = {.n = 0};
-    size_t of = 0;
     double least = HUGE_VAL, score;
     palp_status status = PALP_OK;
     for (size_t i = 0; i < choice->n_laws && !status; i++) {
@@ -342,7 +338,6 @@ palp_status infer_law_choose(infer_search *s, const palp_explain_choice *choice)
         if (!status && nats < least) {
             least = nats;
             best = nearest;
-            of = i;
         }
     }
     if (status || best.n == 0 || (least >= 0.0 && !choice->no_spline))
@@ -351,7 +346,7 @@ palp_status infer_law_choose(infer_search *s, const palp_explain_choice *choice)
     status = settle_with(s, &best, &fit);
     if (status)
         return choice->no_spline || status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-    if (!choice->no_spline && (weigh(s, &choice->law[of], &fit, &score) || score < s->fit.score)) {
+    if (!choice->no_spline && (weigh(s, &fit, &score) || score < s->fit.score)) {
         infer_fit_free(&fit);
         return PALP_OK;
     }
