@@ -12,7 +12,8 @@ typedef struct next_runs {
     explain_data data;
     explain_path *path; /* [EXPLAIN_PROTOCOLS] */
     double *force;      /* [EXPLAIN_PROTOCOLS EXPLAIN_PATH] by the other set */
-    unsigned char *use, *phase;
+    double *stood;      /* likewise, for how long the plate stands still */
+    unsigned char *use;
     bool *done; /* the other set gives a force */
 } next_runs;
 
@@ -27,15 +28,17 @@ static void free_runs(next_runs *next) {
 /* Where several specimens were pressed, another one of the mean size. */
 static void set_run(next_runs *next, size_t k, const explain_run *like, explain_run *run) {
     explain_path *p = &next->path[k];
-    unsigned char *phase = next->phase + k * EXPLAIN_PATH;
-    for (size_t i = 1; i < p->n; i++) /* as far as the pace changes */
-        phase[i] = (unsigned char)(1 + (p->depth[i] > p->depth[i - 1]) - (p->depth[i] < p->depth[i - 1]));
+    double *stood = next->stood + k * EXPLAIN_PATH;
+    stood[0] = -1.0;
+    for (size_t i = 1; i < p->n; i++)
+        stood[i] =
+            p->depth[i] == p->depth[i - 1] ? fmax(0.0, stood[i - 1]) + p->time[i] - p->time[i - 1] : -1.0;
     *run = (explain_run){.n = p->n,
                          .time = p->time,
                          .depth = p->depth,
                          .force = next->force + k * EXPLAIN_PATH,
                          .use = next->use + k * EXPLAIN_PATH,
-                         .phase = phase,
+                         .stood = stood,
                          .session = like->session,
                          .white = like->white,
                          .fresh = true,
@@ -49,13 +52,13 @@ static palp_status make_runs(const explain_data *data, next_runs *next) {
     const size_t n = data->n_runs, all = n + EXPLAIN_PROTOCOLS;
     *next = (next_runs){.data = *data,
                         .path = malloc(EXPLAIN_PROTOCOLS * sizeof *next->path),
-                        .force = calloc((size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH, sizeof *next->force),
-                        .use = calloc(2 * (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH, 1),
+                        .force = calloc(2 * (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH, sizeof *next->force),
+                        .use = malloc((size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH),
                         .done = calloc(EXPLAIN_PROTOCOLS, sizeof *next->done)};
     next->data.run = calloc(all, sizeof *next->data.run);
     if (!next->data.run || !next->path || !next->force || !next->use || !next->done)
         return PALP_ERR_NO_MEMORY;
-    next->phase = next->use + (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH;
+    next->stood = next->force + (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH;
     memset(next->use, 1, (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH);
     memcpy(next->data.run, data->run, n * sizeof *data->run);
     for (size_t k = 0; k < EXPLAIN_PROTOCOLS; k++) {
