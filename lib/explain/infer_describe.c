@@ -19,18 +19,40 @@ static palp_status find_gain(infer_search *s, const infer_search *rest, palp_exp
     return status;
 }
 
-/* Effects whose odds beside the others at hand are within the threshold of those of effect i. */
+/* Effects whose odds beside the others at hand are within the threshold of those of the fit at hand. The most
+ * probable ones converge as that did, up to the first that is beyond. */
+static palp_status find_alike(const infer_search *s, infer_search *rest, palp_explain_effect *out) {
+    palp_status status = PALP_OK;
+    bool known[PALP_EFFECT_COUNT] = {false};
+    out->alike[out->n_class++] = out->effect.id;
+    while (!status) {
+        int best = PALP_EFFECT_COUNT;
+        for (int k = 0; k < PALP_EFFECT_COUNT; k++) {
+            const infer_fit *fit = &rest->trial[k].fit;
+            if (k != (int)out->effect.id && !known[k] && fit->raw &&
+                (best == PALP_EFFECT_COUNT || fit->score > rest->trial[best].fit.score))
+                best = k;
+        }
+        if (best == PALP_EFFECT_COUNT)
+            break;
+        infer_fit *fit = &rest->trial[best].fit;
+        known[best] = true;
+        status = infer_fit_converge(fit, &s->data);
+        if (status || fit->score < s->fit.score - infer_threshold(s->settings))
+            break;
+        out->alike[out->n_class++] = (palp_effect_id)best;
+    }
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
 static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *out, palp_explain_next *next) {
     infer_search rest;
     palp_status status = infer_search_without(s, i, &rest);
     out->evidence = status ? 0.0 : s->fit.score - rest.fit.score;
     if (!status)
         status = infer_try_all(&rest);
-    out->alike[out->n_class++] = out->effect.id;
-    for (int k = 0; k < PALP_EFFECT_COUNT && !status; k++)
-        if (k != (int)out->effect.id && rest.trial[k].fit.raw &&
-            rest.trial[k].fit.score > s->fit.score - infer_threshold(s->settings))
-            out->alike[out->n_class++] = (palp_effect_id)k;
+    if (!status)
+        status = find_alike(s, &rest, out);
     if (!status)
         status = find_gain(s, &rest, out);
     if (!status)

@@ -2,7 +2,7 @@
  * meshes, fits. */
 /* link: -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free */
 #define _POSIX_C_SOURCE 200809L
-#include "explain/explain_search.h"
+#include "explain/explain_data.h"
 #include "scratch.h"
 #include "allocation_count.h"
 

@@ -137,19 +137,15 @@ END_TEST
 
 START_TEST(null_in_explain) {
     REFUSED(palp_explain(NULL, 2, (void *)storage, (void *)storage, (void *)storage, NULL));
-    REFUSED(palp_infer(NULL, 2, (void *)storage, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_explain(&model, 2, NULL, (void *)storage, (void *)storage, NULL));
-    REFUSED(palp_infer(&model, 2, NULL, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_explain(&model, 2, (void *)storage, NULL, (void *)storage, NULL));
-    REFUSED(palp_infer(&model, 2, (void *)storage, NULL, (void *)storage, NULL));
     REFUSED(palp_explain(&model, 2, (void *)storage, (void *)storage, NULL, NULL));
-    REFUSED(palp_infer(&model, 2, (void *)storage, (void *)storage, NULL, NULL));
-    REFUSED(palp_infer_material(NULL, 2, (void *)storage, (void *)storage, (void *)storage, (void *)storage,
-                                NULL));
-    REFUSED(palp_infer_material(&model, 2, NULL, (void *)storage, (void *)storage, (void *)storage, NULL));
-    REFUSED(palp_infer_material(&model, 2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL));
-    REFUSED(palp_infer_material(&model, 2, (void *)storage, (void *)storage, NULL, (void *)storage, NULL));
-    REFUSED(palp_infer_material(&model, 2, (void *)storage, (void *)storage, (void *)storage, NULL, NULL));
+    REFUSED(palp_explain_material(NULL, 2, (void *)storage, (void *)storage, (void *)storage, (void *)storage,
+                                  NULL));
+    REFUSED(palp_explain_material(&model, 2, NULL, (void *)storage, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_explain_material(&model, 2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_explain_material(&model, 2, (void *)storage, (void *)storage, NULL, (void *)storage, NULL));
+    REFUSED(palp_explain_material(&model, 2, (void *)storage, (void *)storage, (void *)storage, NULL, NULL));
     REFUSED(palp_explain_frame(2, NULL, (void *)storage, NULL));
     REFUSED(palp_explain_frame(2, (void *)storage, NULL, NULL));
 }

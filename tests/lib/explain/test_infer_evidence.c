@@ -349,24 +349,6 @@ START_TEST(the_noise_is_white_after_the_filter) {
 }
 END_TEST
 
-/* Lines are looked for in the whitened residual, before any correlation of the noise is known. */
-START_TEST(noise_is_white_until_its_correlation_is_known) {
-    explain_data data;
-    infer_fit fit;
-    palp_model m;
-    static double x[1000];
-    begin(&data, &fit, &m);
-    const explain_run *run = &data.run[0];
-    ck_assert_uint_le(run->n, 1000);
-    for (size_t i = 0; i < run->n; i++)
-        x[i] = 2.0;
-    explain_whiten(run, 1, x);
-    for (size_t i = 0; i < run->n; i++)
-        ck_assert_double_eq_tol(x[i], run->use[i] ? 2.0 / run->white : 0.0, 1e-9 / run->white);
-    end(&data, &fit);
-}
-END_TEST
-
 /* At the best expected precision the bound is Student's density itself, for one sample known exactly. */
 START_TEST(the_bound_of_a_tail_is_students_density) {
     static const double freedom[] = {1, 3.5, 30, 1000}, x[] = {0, 0.7, 3, 30};
@@ -509,7 +491,6 @@ void tests(TCase *tc) {
     tcase_add_test(tc, contacts_average_nothing);
     tcase_add_loop_test(tc, a_specimen_has_the_column_of_its_factor, 0, INFER_SPECIMEN);
     tcase_add_test(tc, the_noise_is_white_after_the_filter);
-    tcase_add_test(tc, noise_is_white_until_its_correlation_is_known);
     tcase_add_test(tc, the_bound_of_a_tail_is_students_density);
     tcase_add_test(tc, steps_are_read_off_the_files);
     tcase_add_test(tc, a_lone_sample_far_off_changes_little);
