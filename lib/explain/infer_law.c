@@ -192,40 +192,56 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
 
 /* ---- the family's own fit ---- */
 
-/* Log evidence of the family's fit under the prior of the spline's, in place of the wide one. */
-static palp_status weigh_family(const infer_fit *spline, const infer_fit *fit, const explain_data *data,
-                                double *score) {
+/* What the spline's prior adds to the log evidence of a family's fit in place of its wide one: s[p p] is the
+ * posterior precision of its coefficients. NAN: that is not definite. */
+static palp_status weigh_prior(const infer_fit *spline, const explain_data *data, const palp_law *law,
+                               const double *s, double *gain) {
     enum { N = PALP_LAW_MAX };
-    const palp_law *law = &fit->c.model.material.law;
-    const size_t k = fit->k, p = law->n;
-    double s[N * N], sum[N * N], m[N * N], d[N], by_m[N], by_s[N], widths = 0.0;
-    infer_posterior posterior = {.memory = NULL};
-    double *work = malloc(k * k * sizeof *work);
-    palp_status status = work ? family_prior(spline, data, law, m, by_m) : PALP_ERR_NO_MEMORY;
-    if (!status)
-        status = infer_posterior_find(fit, data, &posterior);
-    if (!status && !eliminate_others(k, p, posterior.normal, work, s))
-        status = PALP_ERR_SINGULAR;
-    if (work && posterior.memory)
-        infer_posterior_free(&posterior);
-    free(work);
+    const size_t p = law->n;
+    double sum[N * N], m[N * N], d[N], by_m[N], by_s[N], copy[N * N];
+    palp_status status = family_prior(spline, data, law, m, by_m);
     if (status)
         return status;
-    for (size_t a = 0; a < p; a++) {
-        d[a] = by_m[a];
-        widths += log(fit->width[a]);
-    }
     for (size_t a = 0; a < p * p; a++)
         sum[a] = s[a] + m[a];
-    const double log_m = log_determinant(p, m);
-    if (isfinite(log_m))
-        dense_cholesky_solve(p, m, 1, d);
+    memcpy(copy, s, p * p * sizeof *copy);
+    memcpy(d, by_m, p * sizeof *d);
+    const double log_m = log_determinant(p, m), log_s = log_determinant(p, copy),
+                 log_sum = log_determinant(p, sum);
+    *gain = 0.5 * (log_m + log_s - log_sum);
+    if (!isfinite(*gain))
+        return PALP_OK;
+    dense_cholesky_solve(p, m, 1, d);
     dense_times(p, p, 1.0, s, d, 0.0, by_s);
-    const double log_s = log_determinant(p, s), log_sum = log_determinant(p, sum);
-    if (isfinite(log_sum))
-        dense_cholesky_solve(p, sum, 1, by_m);
-    *score = fit->score + widths + 0.5 * (log_m + log_s - log_sum - dense_dot(p, by_s, by_m));
-    return isfinite(*score) ? PALP_OK : PALP_ERR_SINGULAR;
+    dense_cholesky_solve(p, sum, 1, by_m);
+    *gain -= 0.5 * dense_dot(p, by_s, by_m);
+    return PALP_OK;
+}
+
+/* Log evidence of the family's fit under the prior of the spline's, in place of the wide one. The scale of
+ * the bends is the most probable one for the family, as it is for the spline. */
+static palp_status weigh_family(const infer_fit *spline, const infer_fit *fit, const explain_data *data,
+                                double *score) {
+    enum { N = PALP_LAW_MAX, SCALES = 16 }; /* each twice as large as the one before */
+    const palp_law *law = &fit->c.model.material.law;
+    const size_t k = fit->k, p = law->n;
+    double s[N * N], most = NAN, gain = NAN;
+    infer_fit prior = *spline;
+    infer_posterior posterior = {.memory = NULL};
+    double *work = malloc(k * k * sizeof *work);
+    palp_status status = work ? infer_posterior_find(fit, data, &posterior) : PALP_ERR_NO_MEMORY;
+    if (!status && !eliminate_others(k, p, posterior.normal, work, s))
+        status = PALP_ERR_SINGULAR;
+    infer_posterior_free(&posterior);
+    free(work);
+    for (int i = 0; i < SCALES && !status; i++, prior.sizes.bend *= 2.0) {
+        status = weigh_prior(&prior, data, law, s, &gain);
+        most = fmax(most, gain);
+    }
+    *score = fit->score + most;
+    for (size_t a = 0; a < p; a++)
+        *score += log(fit->width[a]);
+    return status || isfinite(*score) ? status : PALP_ERR_SINGULAR;
 }
 
 /* The fit at hand with the family's law that is nearest, and with the given drive; the rms that it leaves. */
@@ -239,6 +255,8 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
     if (!status) {
         infer_fit_take_state(&s->fit, &s->data, fit);
         status = infer_fit_evaluate(fit, &s->data);
+        if (!status)
+            status = infer_fit_improve(fit, &s->data, 8);
         if (!status)
             status = infer_fit_converge(fit, &s->data);
         if (!status)

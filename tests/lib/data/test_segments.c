@@ -135,17 +135,11 @@ START_TEST(a_cone_closes_where_no_line_passes) {
 }
 END_TEST
 
-START_TEST(bends_and_stillness) {
+START_TEST(bends_of_a_path) {
     const double depth[6] = {1, 2, 4, 7, 7, 5};
     double bend[4];
     segments_bends(6, depth, bend);
     ck_assert(bend[0] == 1 && bend[1] == 1 && bend[2] == 3 && bend[3] == 2);
-    ck_assert_uint_eq(segments_still_end(6, depth, 0, 3.0), 2);
-    ck_assert_uint_eq(segments_still_end(6, depth, 0, 3.5), 3);
-    ck_assert_uint_eq(segments_still_end(6, depth, 2, 3.5), 6);
-    ck_assert_uint_eq(segments_still_end(6, depth, 5, 1.0), 6);
-    ck_assert_uint_eq(segments_still_end(3, (double[]){2.0, 1.6, 1.5}, 0, 0.5),
-                      2); /* a move upwards ends it too */
 }
 END_TEST
 
@@ -240,6 +234,25 @@ START_TEST(phases_of_a_path) {
             differ += phase[i] != again[i];
         ck_assert_uint_le(differ, 8); /* at the edges, by rounding */
     }
+}
+END_TEST
+
+/* The time in a dwell, which its phases do not interrupt. */
+START_TEST(how_long_a_plate_stands) {
+    const corner c[] = {{0, -1}, {1, -1}, {4, 2}, {19, 2.0}, {20, 1}, {21, 2}, {25, -2}, {26, -2}};
+    double time[MOST], depth[MOST], stood[MOST];
+    unsigned char phase[MOST];
+    size_t n = path_of(8, c, 0.01, time, depth), standing = 0;
+    ck_assert_int_eq(segments_phases(n, time, depth, NULL, phase, stood), PALP_OK);
+    for (size_t i = 0; i < n; i++) {
+        const bool within = time[i] > 4.1 && time[i] < 18.9, moves = time[i] > 1.1 && time[i] < 3.9;
+        standing += within;
+        if (within)
+            ck_assert_double_eq_tol(stood[i], time[i] - 4, 0.03);
+        else if (moves || (time[i] > 19.1 && time[i] < 24.9))
+            ck_assert_double_lt(stood[i], 0);
+    }
+    ck_assert_uint_gt(standing, 1000);
 }
 END_TEST
 
@@ -454,9 +467,10 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_gap_tells_no_noise);
     tcase_add_test(tc, a_spike_is_beyond_the_noise_and_three_times_the_curve);
     tcase_add_test(tc, a_cone_closes_where_no_line_passes);
-    tcase_add_test(tc, bends_and_stillness);
+    tcase_add_test(tc, bends_of_a_path);
     tcase_add_test(tc, the_first_ramp_and_the_end_of_the_press);
     tcase_add_test(tc, phases_of_a_path);
+    tcase_add_test(tc, how_long_a_plate_stands);
     tcase_add_test(tc, phases_of_a_cycle);
     tcase_add_test(tc, names_of_phases);
     tcase_add_test(tc, contact_is_where_the_rise_leads_back_to);

@@ -20,10 +20,6 @@ static double some_jump(size_t r, double share) {
     return r % 2 == 0 && share > 0.45 ? -2 * NOISE : 0;
 }
 
-static double one_jumps(size_t r, double share) {
-    return r == 1 && share > 0.5 ? 2 * NOISE : 0;
-}
-
 static double all_drift(size_t r, double share) {
     return still(r, share) - NOISE * share;
 }
