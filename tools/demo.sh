@@ -68,14 +68,24 @@ into report.txt "$palpate" report "$runs" "$out" --title "Silicone phantom of Se
 
 # ---- what came out
 key() { sed -n "s/^ *\"$1\": *\([-+.0-9eE]*\),\{0,1\}\$/\1/p" "$2"; }
-list() { sed -n "s/.*\"$1\": *\[\([^]]*\)\].*/\1/p" "$2"; }
-arms() { sed '/"effects"/,$d' "$1" | tr -d '\n ' | grep -o '"stiffness_N":[^}]*' | sed 's/[^:]*:\([^,]*\),[^:]*:\(.*\)/\1 \2/'; }
+arms() { sed '/"effects"/,$d' "$1" | tr -d '\n ' | grep -o '{"stiffness_N":[^}]*' | sed 's/[^:]*:\([^,]*\),[^:]*:\(.*\)/\1 \2/'; }
 lag() { sed -n 's/.*"sensor_lag".*"time_s": *\([-+.0-9eE]*\).*/\1/p' "$1"; }
-# law MODEL: the largest difference of its spring from the phantom's, in %, for strains of 0.05 to 0.3
+# law MODEL: the largest difference of its spring from the phantom's, in %, for strains of 0.05 to 0.3; a spline's is
+# straight between two of its knots, to one part in 1000
 law() {
-    { list coefficients_N $phantom; list coefficients_N "$1"; } | awk -F, '
-        { for (i = 1; i <= NF; i++) c[NR, i] = $i; n[NR] = NF }
-        function k(model, e,   i, sum) { for (i = n[model]; i > 0; i--) sum = sum * e + c[model, i]; return sum }
+    for model in $phantom "$1"; do
+        { tr -d '\n ' <"$model" && echo; } | sed 's/"arms".*//' | sed -n 's/.*"coefficients_N":\[\([^]]*\)\].*/\1/p; s/.*"strain":\[\([^]]*\)\],"stiffness_N":\[\([^]]*\)\].*/\1;\2/p'
+    done | awk '
+        { two = split($0, half, ";") == 2; n[NR] = split(half[1], c, ","); split(half[2], v, ",")
+          for (i = 1; i <= n[NR]; i++) { at[NR, i] = c[i]; is[NR, i] = v[i] } spline[NR] = two }
+        function k(m, e,   i, sum) {
+            if (spline[m]) {
+                for (i = 2; i < n[m] && at[m, i] < e; i++) { }
+                return is[m, i - 1] + (is[m, i] - is[m, i - 1]) * (e - at[m, i - 1]) / (at[m, i] - at[m, i - 1])
+            }
+            for (i = n[m]; i > 0; i--) sum = sum * e + at[m, i]
+            return sum
+        }
         END { for (e = 0.05; e < 0.301; e += 0.01) { d = 100 * (k(2, e) / k(1, e) - 1); d = d < 0 ? -d : d; if (d > most) most = d }
               printf "%.1f\n", most }'
 }

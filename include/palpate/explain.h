@@ -20,9 +20,9 @@ enum { PALP_EXPLAIN_EFFECTS = 6, PALP_EXPLAIN_PHASE_SHARES = 64, PALP_EXPLAIN_RE
 typedef void palp_explain_loop(void *user, size_t n, void (*task)(void *work, size_t i), void *work);
 
 typedef struct palp_explain_settings {
-    size_t max_effects;   /* 4; at most PALP_EXPLAIN_EFFECTS */
-    double false_alarm;   /* 0.05: chance that any effect at all is named where nothing is missing */
-    double good_enough;   /* 0: the practical limit, of the largest force; what is less is not named */
+    size_t max_effects;        /* 4; at most PALP_EXPLAIN_EFFECTS */
+    double false_alarm;        /* 0.05: chance that any effect at all is named where nothing is missing */
+    double good_enough;        /* 0: the practical limit, of the largest force; what is less is not named */
     palp_contact_form contact; /* FREE; KNOWN: every recorded contact is exact; COMMON: all are off by the
                                   same, if at all */
     unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a candidate; all of them */

@@ -243,8 +243,8 @@ static palp_status can_be_followed(const palp_model *model, infer_search *s, pal
 }
 
 palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
-                       const palp_explain_settings *settings, palp_explanation *explanation,
-                       palp_error *error) {
+                         const palp_explain_settings *settings, palp_explanation *explanation,
+                         palp_error *error) {
     if (!model || !inputs || !settings || !explanation)
         return palp_error_null(error);
     memset(explanation, 0, sizeof *explanation);

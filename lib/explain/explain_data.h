@@ -24,7 +24,7 @@ typedef struct explain_run {
     bool fresh;                   /* on a specimen that no run before it pressed */
     size_t specimen;              /* which of the data's it presses, as the files name them */
     double largest_strain;        /* largest strain of the earlier runs on its specimen, by depth */
-    bool held_out;         /* kept out of the fit */
+    bool held_out;                /* kept out of the fit */
 } explain_run;
 
 /* What runs on a rigid block show of the frame, m/N; an interval of 95 %. */
@@ -57,11 +57,11 @@ typedef struct explain_data {
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
     double stride;              /* largest way between two samples, of the run where it is least, m */
-    effect_shown shown;                  /* how the plate moves in them */
-    bool one_speed;                      /* all runs press at one speed, without a pause or a way back */
-    size_t n_specimens;                  /* that the files of the runs that are fitted name; at least 1 */
-    size_t n_replicates;                 /* runs whose plate goes as in one before */
-    double pull, pull_most; /* the strongest recorded before a plate let go; what would be too strong */
+    effect_shown shown;         /* how the plate moves in them */
+    bool one_speed;             /* all runs press at one speed, without a pause or a way back */
+    size_t n_specimens;         /* that the files of the runs that are fitted name; at least 1 */
+    size_t n_replicates;        /* runs whose plate goes as in one before */
+    double pull, pull_most;     /* the strongest recorded before a plate let go; what would be too strong */
     double
         pulled; /* strongest pull of a withdrawal, and what noise hides at least; 0 = no plate goes so far */
     size_t n_releases;
@@ -79,7 +79,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
                                 explain_data *data, palp_error *error);
 void explain_data_free(explain_data *data);
 double explain_fitted_rms(const explain_data *data,
-                          const double *x); /* [n], of the samples that are fitted */
+                          const double *x);       /* [n], of the samples that are fitted */
 size_t explain_samples(const explain_data *data); /* of the runs that are not held out */
 bool explain_may_recover(
     const explain_data *data,

@@ -33,7 +33,8 @@ static line fit_line(size_t n, const double *at, const double *y, double x) {
 
 /* ---- over time ---- */
 
-/* Power of y, in units of the noise, at a frequency in stretches of some seconds, each with a phase of its own. */
+/* Power of y, in units of the noise, at a frequency in stretches of some seconds, each with a phase of its
+ * own. */
 static double power_at(const explain_data *data, const double *y, double frequency, double stretch) {
     double power = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {

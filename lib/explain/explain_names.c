@@ -5,8 +5,7 @@
 #include <string.h>
 
 palp_explain_settings palp_explain_settings_default(void) {
-    palp_explain_settings s = {
-        .contact = PALP_CONTACT_FREE, .max_effects = 4, .false_alarm = 0.05};
+    palp_explain_settings s = {.contact = PALP_CONTACT_FREE, .max_effects = 4, .false_alarm = 0.05};
     memset(s.candidate, 1, sizeof s.candidate);
     return s;
 }

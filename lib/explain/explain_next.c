@@ -79,4 +79,3 @@ palp_explain_next explain_next_of(size_t k, const explain_data *data) {
                                .rate_mm_s = 1e3 * q->rate * data->fastest,
                                .cycles = q->cycles};
 }
-

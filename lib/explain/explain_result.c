@@ -80,4 +80,3 @@ void explain_phase_shares(const explain_data *data, palp_explanation *e, double 
         e->phase_share[i].remaining /= total;
     }
 }
-

@@ -15,7 +15,7 @@ static bool can_start(const effect_row *row, const effect_data *facts) {
 }
 
 palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual,
-                              effect_starts *s) {
+                                effect_starts *s) {
     const effect_row *row = effect_row_of(id);
     effect_data facts = explain_facts(data);
     facts.residual = residual;

@@ -36,25 +36,45 @@ static bool has_arm(const infer_trial *t) {
     return m->effects[m->n_effects - 1].value[0] > 0.0;
 }
 
+/* An arm and another drive beside the fit at hand without its discrepancy, which may stand for them. */
+static palp_status try_without_discrepancy(infer_search *s) {
+    enum { ROUNDS = 6 };
+    infer_fit own = s->fit;
+    palp_status status = infer_fit_copy(&own, &s->data, &s->fit);
+    if (!status)
+        status = infer_fit_anneal(&s->fit, &s->data, ROUNDS);
+    if (!status)
+        status = infer_try_all(s);
+    if (s->fit.raw)
+        infer_fit_free(&s->fit);
+    s->fit = own;
+    return status;
+}
+
+/* Arms that are driven otherwise, if the fit with them is more probable. */
+static palp_status take_drive(infer_search *s, infer_trial *t, bool *taken) {
+    palp_status status = infer_fit_settle(&t->fit, &s->data, 2, true);
+    *taken = !status && t->fit.score - s->fit.score > infer_threshold(s->settings) + infer_price(s);
+    if (*taken)
+        infer_fit_exchange(&s->fit, &t->fit);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
 static palp_status find_arms(infer_search *s, size_t least, size_t most) {
     const double threshold = infer_threshold(s->settings);
     palp_status status = PALP_OK;
     bool taken = true;
     while (!status && taken && s->fit.c.model.material.n_arms < most) {
         infer_trial *arm = &s->trial[PALP_EFFECT_RELAXATION_ARM], *drive = &s->trial[INFER_DRIVE];
-        status = infer_try_all(s);
+        status = try_without_discrepancy(s);
         const bool wanted = s->fit.c.model.material.n_arms < least;
-        if (status || !(arm->fit.raw || drive->fit.raw))
-            break;
-        if (drive->fit.raw && drive->gain > threshold && !(arm->fit.raw && arm->gain > drive->gain)) {
-            infer_fit_free(&s->fit);
-            s->fit = drive->fit;
-            drive->fit.raw = NULL;
-            status = infer_fit_settle(&s->fit, &s->data, 2, true);
-        } else if (arm->fit.raw && has_arm(arm)) /* near the fit at hand it may gain too little */
+        taken = false;
+        if (!status && drive->fit.raw && drive->gain > threshold &&
+            !(arm->fit.raw && arm->gain > drive->gain))
+            status = take_drive(s, drive, &taken);
+        if (!status && !taken && arm->fit.raw &&
+            has_arm(arm)) /* near the fit at hand it may gain too little */
             status = take_arm(s, arm, wanted ? -HUGE_VAL : threshold + infer_price(s), &taken);
-        else
-            break;
     }
     return status;
 }
@@ -105,8 +125,8 @@ static palp_status check(const palp_model *specimen, size_t n, const palp_explai
 }
 
 palp_status palp_explain_material(const palp_model *specimen, size_t n, const palp_explain_input *inputs,
-                                const palp_explain_settings *settings, const palp_explain_choice *choice,
-                                palp_specimens_fit *fit, palp_error *error) {
+                                  const palp_explain_settings *settings, const palp_explain_choice *choice,
+                                  palp_specimens_fit *fit, palp_error *error) {
     if (!specimen || !inputs || !settings || !choice || !fit)
         return palp_error_null(error);
     memset(fit, 0, sizeof *fit);

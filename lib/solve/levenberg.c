@@ -1,6 +1,5 @@
 /* levenberg.c: see levenberg.h. */
 #include "levenberg.h"
-#include "nnls.h"
 #include "base/dense.h"
 
 #include <math.h>
@@ -27,53 +26,6 @@ bool levenberg_step(size_t n, const double *x, const double *low, const double *
     else
         memset(step, 0, n * sizeof *step);
     return regular;
-}
-
-/* Violation of constraint i by x + step. */
-static double distance_short_of_wall(size_t n, const levenberg_walls *walls, size_t i, const double *x,
-                                     const double *step) {
-    const double *row = walls->row + i * n;
-    return walls->least[i] - dense_dot(n, row, x) - dense_dot(n, row, step);
-}
-
-/* Smallest change in the norm of the matrix, by the dual problem (Lawson and Hanson 1974, chapter 23, "least
- * distance programming"). */
-palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const double *x, const double *factor,
-                              double *step) {
-    const size_t count = walls ? walls->count : 0, rows = n + 1;
-    double worst = 0.0, residual;
-    for (size_t i = 0; i < count; i++)
-        worst = fmax(worst, distance_short_of_wall(n, walls, i, x, step));
-    if (!(worst > 0.0))
-        return PALP_OK;
-    double *column = malloc((rows * (count + 1) + count) * sizeof *column), *way = column + rows * count,
-           *force = way + rows;
-    if (!column)
-        return PALP_ERR_NO_MEMORY;
-    worst = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        double *own = column + i * rows;
-        memcpy(own, walls->row + i * n, n * sizeof *own);
-        dense_forward(n, factor, 1, own);
-        const double length = sqrt(dense_dot(n, own, own));
-        for (size_t k = 0; k < n; k++)
-            own[k] /= length;
-        own[n] = distance_short_of_wall(n, walls, i, x, step) / length;
-        worst = fmax(worst, own[n]);
-    }
-    for (size_t i = 0; i < count; i++)
-        column[i * rows + n] /= worst;
-    memset(way, 0, n * sizeof *way);
-    way[n] = 1.0;
-    palp_status status = nnls_solve(rows, count, column, way, 0.0, n, force, &residual);
-    dense_times(rows, count, -1.0, column, force, 1.0, way);
-    for (size_t k = 0; k < n; k++)
-        way[k] *= -worst / way[n];
-    dense_backward(n, factor, 1, way);
-    for (size_t k = 0; k < n && !status; k++)
-        step[k] += way[k];
-    free(column);
-    return status;
 }
 
 /* next = x + step, clipped to reach and bounds. */
@@ -105,10 +57,7 @@ palp_status levenberg_solve(const levenberg *p, double *x, double *h, double *g,
     palp_status status = PALP_OK;
     for (size_t k = 0; k < p->evaluations && damping <= MOST_DAMPING; k++) {
         double next_chi2, before = *chi2;
-        if (levenberg_step(n, x, p->low, p->high, h, g, damping, work, step))
-            status = levenberg_confine(n, p->walls, x, work, step);
-        if (status)
-            break;
+        levenberg_step(n, x, p->low, p->high, h, g, damping, work, step);
         limit_step_to_bounds(p, x, step, next);
         const double fall = expected_fall(n, x, next, h, g);
         if (fall >= 0.0 && fall < p->stop_expected) /* a clipped step may promise a rise, and need damping */

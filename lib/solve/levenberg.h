@@ -7,17 +7,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Constraints on x: each row of row[n count] times x is at least its entry of least[count]. */
-typedef struct levenberg_walls {
-    size_t count;
-    double *row, *least;
-} levenberg_walls;
-
 typedef struct levenberg {
-    size_t n, evaluations;        /* number of coordinates; limit of evaluations */
-    const double *low, *high;     /* [n] bounds */
-    const levenberg_walls *walls; /* NULL without constraints */
-    const double *reach;          /* [n] the longest step of a coordinate */
+    size_t n, evaluations;    /* number of coordinates; limit of evaluations */
+    const double *low, *high; /* [n] bounds */
+    const double *reach;      /* [n] the longest step of a coordinate */
     /* The search ends when an evaluation lowers chi2 by less than stop_absolute + stop_relative chi2, or
      * raises it by less than stop_rise, and before one that is expected to lower it by less than
      * stop_expected. */
@@ -33,10 +26,6 @@ typedef struct levenberg {
  * False and 0 if the matrix is singular. work[n n] becomes the Cholesky factor. */
 bool levenberg_step(size_t n, const double *x, const double *low, const double *high, const double *h,
                     const double *g, double damping, double *work, double *step);
-
-/* Changes a step, whose matrix has this Cholesky factor, to the best one within the constraints. */
-palp_status levenberg_confine(size_t n, const levenberg_walls *walls, const double *x, const double *factor,
-                              double *step);
 
 /* In: x, a first guess within the bounds, with its h, g and chi2. Out: the best x found, with its own. */
 palp_status levenberg_solve(const levenberg *problem, double *x, double *h, double *g, double *chi2);

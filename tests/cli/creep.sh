@@ -40,7 +40,7 @@ grep -q '"kind": "creep"' out || fail "--json does not say creep"
 # The phantom's law has five coefficients: of three explain may say that the law is another one. One recording may raise a suspicion
 # (the force is sampled some tenths of a millisecond after the position), but nothing is called missing.
 expect 0 characterize dwell/*.csv --degree 5 --arms 2 --out five.model.json
-expect 0 explain --model five.model.json creep/creep.csv
+expect 0 explain --model five.model.json creep/creep.csv --every 10
 grep -qE '^(agrees|suspected)' out || fail "explain: $(cat out)"
 expect 0 report creep/creep.csv creep.model.json --out page.html
 in_page page.html

@@ -172,8 +172,8 @@ int characterize_likelihood(const characterize_options *o, characterize_state *s
                 cli_failure(NAME, "%s: --law needs the specimen's radius; add a line # specimen.radius_mm: R",
                             s->run[0].name);
         if (!status)
-            status =
-                palp_explain_material(&specimen, o->n_words, input, &settings, &choice, &s->specimens, &error);
+            status = palp_explain_material(&specimen, o->n_words, input, &settings, &choice, &s->specimens,
+                                           &error);
         if (!status)
             status = take_runs(o, s, &s->specimens.mean);
         code = code || !status ? code : cli_status(NAME, status, &error);

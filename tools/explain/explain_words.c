@@ -137,17 +137,17 @@ static void add_rest(json_t *story, const json_t *all) {
                   : "");
     if (is_verdict(all, "suspected"))
         add(story,
-            "An effect is named when a second experiment confirms it; until then its candidates are ranked.");
+            "An effect is named when other experiments confirm it; until then its candidates are ranked.");
     else
         add(story, some ? "The effects named are there, but they are not all."
-                        : "No effect is named: none closes enough of the gap to be more than a mimic.");
+                        : "No effect is named: none is clearly more probable than a cause without a name.");
 }
 
 /* What no term of the model follows, by what it depends on, the largest part first. */
 static void add_discrepancy(json_t *story, const json_t *all) {
     static const char *const words[][2] = {{"depth_loading", "the depth on the way in"},
                                            {"depth_unloading", "the depth on the way out"},
-                                           {"time_since_turn", "the time since the plate last turned"},
+                                           {"time_since_turn", "the time in a dwell"},
                                            {"time_in_run", "the time in the run"}};
     const json_t *found = json_object_get(all, "discrepancy"), *parts = json_object_get(found, "parts"), *one,
                  *most = NULL;

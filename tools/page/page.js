@@ -343,8 +343,8 @@ function effect_card(r, effect) {
     table(null, "parameter|value|95 % interval|~unit|~in the model file", rows),
     known(effect.gap_closed) && paragraph(`It closes ${fixed(100 * at_most_one(effect.gap_closed), 0)} % of the squared gap above the noise level that is open without it.`),
     known(effect.evidence) && known(effect.evidence_standard_error) &&
-      paragraph("With it the experiments left out are more likely: the natural logarithm of " +
-      `their likelihood grows by ${fixed(effect.evidence, 0)} ± ${fixed(effect.evidence_standard_error, 0)}.`),
+      paragraph("With it the recordings are more likely: the natural logarithm of their likelihood, less a price for its parameters, grows by " +
+      `${fixed(effect.evidence, 0)}. Over the experiments left out it grows with a standard error of ${fixed(effect.evidence_standard_error, 0)}.`),
     effect.recovers && paragraph("The specimen recovers between the runs of the session: each run begins as on a new one."),
     paragraph(`Would do as well: ${alike || "no other effect of the catalogue"}.`));
 }

@@ -47,7 +47,7 @@ static palp_status thin(palp_experiment **run, size_t every) {
 
 int open_runs(const char *command, size_t n, const char *const *files, size_t every, palp_experiment **run,
               palp_explain_input *input) {
-    enum { ROWS = 50000 };
+    enum { ROWS = 20000 };
     size_t rows = 0;
     for (size_t r = 0; r < n; r++) {
         int code = open_run(command, files[r], &run[r]);

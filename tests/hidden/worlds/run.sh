@@ -1,6 +1,7 @@
 #!/bin/sh
 # run.sh: writes the cases of laboratories that are not ours, takes each the whole way (characterize, then explain), judges the answers.
 #   run.sh [--seed N] [--set all|quick|testers] [--jobs N] [--out DIR] [--oracle] [--likelihood] [--report-only] [--print-table]
+# With --likelihood characterize is asked so.
 # From any folder; PALPATE is the command (default: build/palpate of this tree), CC compiles the generator. A run that was interrupted
 # goes on in its --out while the seed, the set, the generator and the command are the same. See ../README.md.
 set -u
@@ -13,7 +14,7 @@ if [ "${1-}" = one ]; then # from xargs: folder, options of characterize: the wh
     [ ! -e done ] || exit 0
     ulimit -t 900
     "$PALPATE" characterize run_*.csv "$@" $LIKELIHOOD --out model.json --force >characterize.log 2>&1 </dev/null &&
-        "$PALPATE" explain --model model.json run_*.csv --jobs 1 $LIKELIHOOD --result result.json --out explained.json --force >explain.log 2>&1 </dev/null
+        "$PALPATE" explain --model model.json run_*.csv --jobs 1 --result result.json --out explained.json --force >explain.log 2>&1 </dev/null
     echo $? >done
     exit 0
 fi
@@ -37,7 +38,7 @@ while [ $# -gt 0 ]; do
     --oracle) oracle=1 ;;
     --likelihood) LIKELIHOOD=--likelihood ;;
     --report-only | --print-table) judge="$judge $1" ;;
-    *) sed -n '2,6s/^# //p' "$0"; exit 2 ;;
+    *) sed -n '2,7s/^# //p' "$0"; exit 2 ;;
     esac
     shift
 done

@@ -245,7 +245,7 @@ START_TEST(how_long_a_plate_stands) {
     size_t n = path_of(8, c, 0.01, time, depth), standing = 0;
     ck_assert_int_eq(segments_phases(n, time, depth, NULL, phase, stood), PALP_OK);
     for (size_t i = 0; i < n; i++) {
-        const bool within = time[i] > 4.1 && time[i] < 18.9, moves = time[i] > 1.1 && time[i] < 3.9;
+        const bool within = time[i] > 4.1 && time[i]<18.9, moves = time[i]> 1.1 && time[i] < 3.9;
         standing += within;
         if (within)
             ck_assert_double_eq_tol(stood[i], time[i] - 4, 0.03);

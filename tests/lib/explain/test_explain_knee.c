@@ -1,5 +1,6 @@
 /* test_explain_knee.c: a law with a knee, in correlated noise that hides little of what changes from sample
- * to sample: a law of more knots follows it, and what one of too few misses is no uneven surface. */
+ * to sample: a law of more knots follows it, and what one of too few misses is no uneven surface. check: once
+ */
 #include "forward_make.h"
 
 #include <palpate/explain.h>

@@ -1,4 +1,5 @@
-/* test_explain_surface.c: surfaces that all runs have elsewhere, where the given law stands in for them. */
+/* test_explain_surface.c: surfaces that all runs have elsewhere, where the given law stands in for them.
+ * check: once */
 #include "base/dense.h"
 #include "forward_make.h"
 

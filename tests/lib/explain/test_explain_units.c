@@ -1,6 +1,6 @@
 /* test_explain_units.c: what explain answers does not depend on the units of force, length and time, on the
  * order of the runs, their names, or the clock's zero. The runs say nothing but time, depth and force, and
- * have contacts of their own. check: once */
+ * have contacts of their own. check: all */
 #include "forward_make.h"
 
 #include <palpate/explain.h>

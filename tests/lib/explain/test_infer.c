@@ -1,4 +1,4 @@
-/* test_infer.c: effects hidden in samples, found by the odds of their evidence. */
+/* test_infer.c: effects hidden in samples, found by the odds of their evidence. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>

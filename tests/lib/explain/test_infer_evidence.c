@@ -243,7 +243,7 @@ START_TEST(what_is_held_is_where_the_columns_are) {
         fit.held = true;
         fit.c.contact[0] = own[INFER_CONTACT] + (i ? 2 : 0) * fit.sizes.own[INFER_CONTACT];
     }
-    ck_assert_double_ge(here[1], here[0]);
+    ck_assert_double_ge(here[1], here[0] - 0.01); /* the other runs stay where they are */
     ck_assert_double_lt(here[2], here[1]);
     end(&data, &fit);
 }

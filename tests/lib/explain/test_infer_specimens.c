@@ -1,5 +1,5 @@
 /* test_infer_specimens.c: specimens of other heights, areas and stiffnesses, one test each, in one session.
- */
+ * check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>

@@ -104,35 +104,6 @@ START_TEST(a_bound_holds_and_the_others_move_beside_it) {
 }
 END_TEST
 
-/* With x0 + x1 >= 4 and 2 x1 >= -6, of which the second is in no way: on the first the residuals pull both
- * alike. Then from where the first does not hold. */
-START_TEST(along_a_wall) {
-    double row[4] = {1, 1, 0, 2}, least[2] = {4, -6};
-    const levenberg_walls walls = {.count = 2, .row = row, .least = least};
-    for (int from = 0; from < 2; from++) {
-        model f = {.n = 2, .m = 4, .residuals = line};
-        double x[2] = {from ? -5 : 9, from ? 7 : 30}, chi2, h[4], g[2];
-        const levenberg problem = {.n = 2,
-                                   .evaluations = 20,
-                                   .low = free_low,
-                                   .high = free_high,
-                                   .walls = &walls,
-                                   .reach = free_high,
-                                   .stop_relative = 1e-14,
-                                   .stop_rise = 1e-9,
-                                   .evaluate = evaluate,
-                                   .keep = keep,
-                                   .user = &f};
-        ck_assert_int_eq(evaluate(&f, x, h, g, &chi2), PALP_OK);
-        ck_assert_int_eq(levenberg_solve(&problem, x, h, g, &chi2), PALP_OK);
-        ck_assert_double_eq_tol(x[0] + x[1], 4.0, 1e-9);
-        ck_assert_double_eq_tol(4 * x[0] + 6 * x[1] - 14, 6 * x[0] + 14 * x[1] - 29,
-                                1e-8); /* both pull alike */
-        ck_assert_uint_le(f.calls, 6);
-    }
-}
-END_TEST
-
 /* One step of (h + damping diag h) step = g. */
 START_TEST(the_step_is_damped_by_the_diagonal) {
     const double x[2] = {0, 0}, h[4] = {4, 2, 2, 3}, g[2] = {1, 2};
@@ -214,7 +185,6 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, a_line_by_its_normal_equations);
     tcase_add_test(tc, a_bound_holds_and_the_others_move_beside_it);
-    tcase_add_test(tc, along_a_wall);
     tcase_add_test(tc, the_step_is_damped_by_the_diagonal);
     tcase_add_test(tc, a_decay_is_found_around_where_it_has_no_solution);
     tcase_add_test(tc, steps_that_go_too_far);
