@@ -113,7 +113,7 @@ typedef struct palp_explain_discrepancy {
     bool found;                    /* it is distinguishable from zero, and beyond the practical limit */
     double evidence;               /* nats */
     double loading_N, unloading_N; /* on the depth, on the way in and on the way out */
-    double since_turn_N;           /* on the time since the plate last turned */
+    double dwell_N;                /* on the time in a dwell */
     double correlated_N;           /* on the time in the run: correlated noise */
 } palp_explain_discrepancy;
 

@@ -43,7 +43,7 @@ void infer_hats(const explain_data *data, size_t r, double contact, double *colu
     double bend[N * N], top = run->depth[0], bottom = run->depth[0];
     bool back = false;
     const double surface = fmin(0.0, contact); /* below nominal contact there are the others */
-    double above = 0.0, *dwell = column + INFER_SINCE_TURN * INFER_NODES * n;
+    double above = 0.0, *dwell = column + INFER_DWELL * INFER_NODES * n;
     for (size_t i = 0; i < n; i++)
         above = fmax(above, surface - run->depth[i]);
     const double height = log1p(above / data->stride); /* how far a surface follows the plate is not known */

@@ -13,7 +13,7 @@ enum { INFER_ZERO, INFER_CONTACT, INFER_GAIN, INFER_SINE, INFER_COSINE, INFER_OW
 enum { INFER_STIFFNESS, INFER_TIMES, INFER_LAW, INFER_SPECIMEN };
 
 /* Discrepancies are sums over these of smooth functions, one a node of a grid (infer_columns.c: hats). */
-enum { INFER_LOADING, INFER_UNLOADING, INFER_SINCE_TURN, INFER_WITHDRAWN, INFER_DOMAINS };
+enum { INFER_LOADING, INFER_UNLOADING, INFER_DWELL, INFER_WITHDRAWN, INFER_DOMAINS };
 enum { INFER_NODES = 12, INFER_HATS = INFER_DOMAINS * INFER_NODES };
 enum { INFER_LENGTHS = 2 }; /* correlation lengths of each, as shares of the range: infer_lengths */
 enum { INFER_BLOCK = INFER_OWN + INFER_HATS };

@@ -310,7 +310,7 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e) {
     palp_explain_discrepancy *out = &e->discrepancy;
     out->loading_N = sqrt(square[INFER_LOADING] / count);
     out->unloading_N = sqrt((square[INFER_UNLOADING] + square[INFER_WITHDRAWN]) / count);
-    out->since_turn_N = sqrt(square[INFER_SINCE_TURN] / count);
+    out->dwell_N = sqrt(square[INFER_DWELL] / count);
     out->correlated_N = sqrt(fmax(0.0, beside / count - pow(infer_white_level(&s->fit, data), 2.0)));
     const bool there = out->evidence > infer_threshold(s->settings);
     e->unexplained_N = there ? explain_fitted_rms(data, s->discrepancy) : 0.0;

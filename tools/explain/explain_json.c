@@ -94,7 +94,7 @@ static void add_discrepancy(json_t *root, const palp_explanation *e) {
         double rms_N;
     } part[] = {{"depth_loading", d->loading_N},
                 {"depth_unloading", d->unloading_N},
-                {"time_since_turn", d->since_turn_N},
+                {"time_in_dwell", d->dwell_N},
                 {"time_in_run", d->correlated_N}};
     json_t *list = json_array(), *all = json_object();
     for (size_t i = 0; i < sizeof part / sizeof *part; i++) {

@@ -147,7 +147,7 @@ static void add_rest(json_t *story, const json_t *all) {
 static void add_discrepancy(json_t *story, const json_t *all) {
     static const char *const words[][2] = {{"depth_loading", "the depth on the way in"},
                                            {"depth_unloading", "the depth on the way out"},
-                                           {"time_since_turn", "the time in a dwell"},
+                                           {"time_in_dwell", "the time in a dwell"},
                                            {"time_in_run", "the time in the run"}};
     const json_t *found = json_object_get(all, "discrepancy"), *parts = json_object_get(found, "parts"), *one,
                  *most = NULL;

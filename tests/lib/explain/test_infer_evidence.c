@@ -215,6 +215,61 @@ START_TEST(it_is_so_too_where_contacts_average_nothing) {
 }
 END_TEST
 
+/* Forces beside columns that are known have the same products as all of it anew, where these are the columns.
+ */
+START_TEST(forces_alone_have_the_same_products) {
+    explain_data data;
+    infer_fit fit;
+    palp_model m;
+    begin(&data, &fit, &m);
+    ck_assert_int_eq(infer_fit_evaluate(&fit, &data), PALP_OK);
+    const size_t n = data.n_runs * fit.m * fit.m;
+    double *product = malloc(n * sizeof *product), most = 0;
+    ck_assert_ptr_nonnull(product);
+    memcpy(product, fit.product, n * sizeof *product);
+    for (size_t r = 0, at = 0; r < data.n_runs; at += data.run[r++].n) /* what is left must be found again */
+        memset(fit.raw + at * fit.m + (fit.m - 1) * data.run[r].n, 0, data.run[r].n * sizeof *fit.raw);
+    ck_assert_int_eq(infer_fit_reevaluate(&fit, &data), PALP_OK);
+    for (size_t i = 0; i < n; i++)
+        most = fmax(most, fabs(product[i]));
+    for (size_t i = 0; i < n; i++)
+        ck_assert_double_eq_tol(fit.product[i], product[i], 1e-9 * fmax(fabs(product[i]), 1e-6 * most));
+    free(product);
+    end(&data, &fit);
+}
+END_TEST
+
+/* The functions of a discrepancy follow any straight line through their nodes. A dwell begins at 0. */
+START_TEST(a_discrepancy_follows_straight_lines) {
+    explain_data data;
+    infer_fit fit;
+    palp_model m;
+    begin(&data, &fit, &m);
+    const explain_run *run = &data.run[1]; /* the one that dwells */
+    double *column = malloc(INFER_HATS * run->n * sizeof *column);
+    size_t pressed = 0, stood = 0;
+    ck_assert_ptr_nonnull(column);
+    infer_hats(&data, 1, 0.0, column);
+    for (size_t i = 0; i < run->n; i++) {
+        double sum = 0, line = 0;
+        for (size_t a = 0; a < INFER_UNLOADING * INFER_NODES + INFER_NODES; a++) { /* on either way */
+            sum += column[a * run->n + i];
+            line += (double)(a % INFER_NODES) / (INFER_NODES - 1) * column[a * run->n + i];
+        }
+        const double share = fmax(0, run->depth[i] / run->height / data.strain);
+        ck_assert_double_eq_tol(sum, run->depth[i] > 0, 1e-12);
+        ck_assert_double_eq_tol(line, share, 1e-12);
+        pressed += run->depth[i] > 0;
+        stood += run->stood[i] > 1;
+        ck_assert_double_eq(column[INFER_DWELL * INFER_NODES * run->n + i], 0);
+    }
+    ck_assert_uint_gt(pressed, 50);
+    ck_assert_uint_gt(stood, 3);
+    free(column);
+    end(&data, &fit);
+}
+END_TEST
+
 /* Held, what is the runs' own is where the columns are. The density is largest where the posterior has it. */
 START_TEST(what_is_held_is_where_the_columns_are) {
     explain_data data;
@@ -487,6 +542,8 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_loop_test(tc, the_evidence_is_the_joint_normal_density, 2, MOST + 1);
     tcase_add_loop_test(tc, it_is_so_too_where_contacts_average_nothing, 2, MOST + 1);
+    tcase_add_test(tc, forces_alone_have_the_same_products);
+    tcase_add_test(tc, a_discrepancy_follows_straight_lines);
     tcase_add_test(tc, what_is_held_is_where_the_columns_are);
     tcase_add_test(tc, contacts_average_nothing);
     tcase_add_loop_test(tc, a_specimen_has_the_column_of_its_factor, 0, INFER_SPECIMEN);
