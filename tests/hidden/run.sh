@@ -1,7 +1,8 @@
 #!/bin/sh
 # run.sh: hides effects in cases, has palpate explain find them, scores the answers. See README.md.
 #   run.sh [--seed N] [--set all|quick] [--jobs N] [--out DIR] [--oracle] [--slack N] [--report-only]
-#          [--print-table]
+#          [--print-table] [--every N]
+# --every: explain takes one sample in N.
 # From any folder; PALPATE is the command (default: build/palpate of this tree), CC compiles the generator.
 # A run that was interrupted goes on in its --out: cases and answers that are there are kept while the seed,
 # the set, the generator and the command are the same.
@@ -14,7 +15,7 @@ if [ "${1-}" = one ]; then # from xargs: folder answer [ids]: one run of the com
     [ ! -s "$3" ] || exit 0
     start=$(date +%s.%N) name=${3%.json}
     # shellcheck disable=SC2086
-    "$PALPATE" explain --model model.json run_*.csv --jobs 1 ${4:+--candidates $4} --result "$3.part" \
+    "$PALPATE" explain --model model.json run_*.csv --jobs 1 ${EVERY:+--every $EVERY} ${4:+--candidates $4} --result "$3.part" \
         --out "${name}_model.json" --report "$name.html" >"$name.log" 2>&1 </dev/null || {
         echo "$(basename "$2"): exit code $?: $(tail -n 1 "$name.log")" >&2
         exit 0
@@ -27,7 +28,7 @@ fi
 # same FILE TEXT: whether FILE says TEXT
 same() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; }
 
-seed=1 set=all jobs=$(nproc) out='' oracle='' score=''
+seed=1 set=all jobs=$(nproc) out='' oracle='' score='' EVERY=
 while [ $# -gt 0 ]; do
     case $1 in
     --seed) seed=$2; shift ;;
@@ -36,14 +37,15 @@ while [ $# -gt 0 ]; do
     --out) out=$2; shift ;;
     --slack) score="$score --slack $2"; shift ;;
     --oracle) oracle=1 ;;
+    --every) EVERY=$2; shift ;;
     --report-only | --print-table) score="$score $1" ;;
-    *) sed -n '2,7s/^# //p' "$0"; exit 2 ;;
+    *) sed -n '2,8s/^# //p' "$0"; exit 2 ;;
     esac
     shift
 done
 [ -x "$PALPATE" ] || { echo "run.sh: no command at $PALPATE; run make, or set PALPATE"; exit 1; }
 PALPATE=$(cd "$(dirname "$PALPATE")" && pwd)/$(basename "$PALPATE")
-export PALPATE OMP_THREAD_LIMIT=1 LC_ALL=C
+export PALPATE EVERY OMP_THREAD_LIMIT=1 LC_ALL=C
 if [ -z "$out" ]; then
     out=$(mktemp -d)
     trap 'rm -rf "$out"' EXIT
@@ -63,7 +65,7 @@ if ! same "$out/made" "$cases"; then
         exit 1
     echo "$cases" >"$out/made"
 fi
-tool=$(cksum <"$PALPATE")
+tool="$(cksum <"$PALPATE") $EVERY"
 same "$out/asked" "$tool" || rm -f "$out"/cases/case_*/result.json "$out"/cases/case_*/oracle.json
 echo "$tool" >"$out/asked"
 
