@@ -99,20 +99,46 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
     return unit ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
+/* Variance of a run's amplitude, whose direction in sine and cosine is own, and what the run tells of the
+ * frequency, s^2: the phase being its own, (2 pi amplitude)^2 over that variance times the variance of the times
+ * (Rife and Boorstyn, IEEE Trans. Inf. Theory 20 (1974) 591). */
+static double hum_variance(const explain_run *run, const double own[2], double sine, double cosine, double both,
+                           double *frequency) {
+    const double size = own[0] * own[0] + own[1] * own[1], turn = 2.0 * acos(-1.0);
+    const double variance = (own[0] * own[0] * sine + own[1] * own[1] * cosine + 2.0 * own[0] * own[1] * both) / size;
+    double mean = 0.0, square = 0.0;
+    for (size_t i = 0; i < run->n; i++)
+        mean += run->time[i] / (double)run->n;
+    for (size_t i = 0; i < run->n; i++)
+        square += (run->time[i] - mean) * (run->time[i] - mean) / (double)run->n;
+    *frequency = turn * turn * size * square / variance;
+    return variance;
+}
+
 /* The mains' hum: frequency and mean amplitude of the runs' own. */
 static palp_status find_hum(const infer_search *s, palp_explain_effect *out) {
+    enum { B = INFER_BLOCK, S = INFER_SINE, C = INFER_COSINE };
     infer_posterior p;
     palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
-    double sum = 0.0;
+    double sum = 0.0, variance = 0.0, information = 0.0;
     for (size_t r = 0; r < s->data.n_runs && !status; r++) {
-        double own[INFER_BLOCK];
-        status = infer_own(&s->fit, &s->data, &p, r, own, NULL);
-        sum += hypot(own[INFER_SINE], own[INFER_COSINE]) / (double)s->data.n_runs;
+        double own[B], v[B * B], frequency;
+        status = infer_own(&s->fit, &s->data, &p, r, own, v);
+        if (status || !(hypot(own[S], own[C]) > 0.0))
+            continue;
+        sum += hypot(own[S], own[C]);
+        variance += hum_variance(&s->data.run[r], own + S, v[S * B + S], v[C * B + C], v[S * B + C], &frequency);
+        information += frequency;
     }
     infer_posterior_free(&p);
-    const double value[2] = {sum, s->fit.c.hum_Hz};
-    for (int k = 0; k < 2; k++)
-        out->effect.value[k] = out->low[k] = out->high[k] = value[k];
+    const double n = (double)s->data.n_runs, reach = 1.96 * infer_tail_widening(&s->fit);
+    const double value[2] = {sum / n, s->fit.c.hum_Hz},
+                 sd[2] = {sqrt(variance) / n, information > 0.0 ? 1.0 / sqrt(information) : 0.0};
+    for (int k = 0; k < 2; k++) {
+        out->effect.value[k] = value[k];
+        out->low[k] = value[k] - reach * sd[k];
+        out->high[k] = value[k] + reach * sd[k];
+    }
     return status;
 }
 
