@@ -98,6 +98,13 @@ PALP_API palp_status palp_recording_check(const palp_experiment *experiment, con
                                           double height_m, palp_error *error);
 PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, zeroes; NULL is fine */
 
+/* The recording as means of blocks of samples, relative to its contact; the caller frees it. parts (10 or
+ * more): in a block the path is straight, the plate moves by less than deepest_m / parts, and it lasts less
+ * than 6 / parts of the time since the last corner. Column "samples": of how many samples a row is the mean;
+ * 0: it only carries the path, and its force does not count. ERR_ARGUMENT: fewer parts; ERR_NO_MEMORY. */
+PALP_API palp_status palp_recording_blocks(const palp_recording *recording, double parts,
+                                           palp_experiment **blocks);
+
 /* Scales a recording to a specimen whose lengths are length times and whose area is force times as large:
  * stress and strain stay. Depth, height and contact change, and force, its zero and its noise. The radius
  * follows the area. */

@@ -66,7 +66,9 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
     run->force = block + 2 * run->n;
     run->stood = block + 3 * run->n;
     run->phase = run->use + run->n;
-    memset(run->use, 1, run->n);
+    run->samples = palp_experiment_column(e, "samples");
+    for (size_t i = 0; i < run->n; i++)
+        run->use[i] = !run->samples || run->samples[i] > 0.0;
     run->start = time[0];
     double deepest = -HUGE_VAL, noise;
     for (size_t i = 0; i < run->n; i++) {
@@ -74,7 +76,8 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
         run->depth[i] = 1e-3 * depth[i];
         run->force[i] = force[i];
     }
-    palp_status status = palp_segments_smooth_path(run->n, run->time, run->depth, &noise);
+    palp_status status =
+        run->samples ? PALP_OK : palp_segments_smooth_path(run->n, run->time, run->depth, &noise);
     if (status)
         return status;
     for (size_t i = 0; i < run->n; i++)
@@ -89,10 +92,10 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
 static palp_status mask_spikes(explain_data *data, size_t r) {
     explain_run *run = &data->run[r];
     palp_status status = explain_white_noise(run, run->force);
-    if (!status)
+    if (!status && !run->samples)
         segments_mask_spikes(run->n, run->force, run->white, SPIKE_SIGMA, run->use);
     for (size_t i = 1; i + 1 < run->n && !status; i++)
-        if (!run->use[i])
+        if (!run->use[i] && !run->samples)
             status = explain_event_add(
                 data,
                 &(palp_explain_event){.run = r,
@@ -208,6 +211,13 @@ static void find_span(explain_data *data) {
         data->run[r].session -= first;
 }
 
+static double count_samples(const explain_run *run) {
+    double sum = 0.0;
+    for (size_t i = 0; i < run->n; i++)
+        sum += run->samples ? run->samples[i] : 1.0;
+    return sum;
+}
+
 /* The typical time between samples, the largest speed, how far the slowest run goes from one to the next. */
 static palp_status find_pace(explain_data *data) {
     double *step = malloc(data->longest * sizeof *step);
@@ -224,7 +234,9 @@ static palp_status find_pace(explain_data *data) {
             data->fastest = fmax(data->fastest, moved / step[i]);
         }
         data->stride = fmin(data->stride, stride);
-        data->step = fmin(data->step, statistics_median(step, run->n - 1));
+        data->step =
+            fmin(data->step, run->samples ? (run->time[run->n - 1] - run->time[0]) / count_samples(run)
+                                          : statistics_median(step, run->n - 1));
     }
     find_span(data);
     free(step);

@@ -16,6 +16,7 @@ typedef struct explain_run {
     palp_forward_column column[PALP_EFFECT_COUNT];
     double start;                 /* time of the recording at which time[0] = 0 is */
     double *time, *depth, *force; /* depth: nothing is pressed where the specimen is "none" */
+    const double *samples;        /* [n] of how many each is the mean, 0: of none; NULL = all of one */
     double *stood;                /* [n] for how long the plate stands still, s; negative where it moves */
     unsigned char *use;           /* [n] 0 = an event, or not to be fitted */
     unsigned char *phase;         /* [n] palp_phase */

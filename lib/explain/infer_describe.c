@@ -100,12 +100,13 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
 }
 
 /* Variance of a run's amplitude, whose direction in sine and cosine is own, and what the run tells of the
- * frequency, s^2: the phase being its own, (2 pi amplitude)^2 over that variance times the variance of the times
- * (Rife and Boorstyn, IEEE Trans. Inf. Theory 20 (1974) 591). */
-static double hum_variance(const explain_run *run, const double own[2], double sine, double cosine, double both,
-                           double *frequency) {
+ * frequency, s^2: the phase being its own, (2 pi amplitude)^2 over that variance times the variance of the
+ * times (Rife and Boorstyn, IEEE Trans. Inf. Theory 20 (1974) 591). */
+static double hum_variance(const explain_run *run, const double own[2], double sine, double cosine,
+                           double both, double *frequency) {
     const double size = own[0] * own[0] + own[1] * own[1], turn = 2.0 * acos(-1.0);
-    const double variance = (own[0] * own[0] * sine + own[1] * own[1] * cosine + 2.0 * own[0] * own[1] * both) / size;
+    const double variance =
+        (own[0] * own[0] * sine + own[1] * own[1] * cosine + 2.0 * own[0] * own[1] * both) / size;
     double mean = 0.0, square = 0.0;
     for (size_t i = 0; i < run->n; i++)
         mean += run->time[i] / (double)run->n;
@@ -127,7 +128,8 @@ static palp_status find_hum(const infer_search *s, palp_explain_effect *out) {
         if (status || !(hypot(own[S], own[C]) > 0.0))
             continue;
         sum += hypot(own[S], own[C]);
-        variance += hum_variance(&s->data.run[r], own + S, v[S * B + S], v[C * B + C], v[S * B + C], &frequency);
+        variance +=
+            hum_variance(&s->data.run[r], own + S, v[S * B + S], v[C * B + C], v[S * B + C], &frequency);
         information += frequency;
     }
     infer_posterior_free(&p);

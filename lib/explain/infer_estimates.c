@@ -13,12 +13,30 @@
 
 /* ---- parameters ---- */
 
+static double time_of(const palp_arm *arm) {
+    return arm->viscosity_Ns / arm->stiffness_N;
+}
+
+/* Arms by rising time; order[n_arms]: where each stood. */
+static void sort_arms(palp_material *m, size_t order[PALP_ARMS_MAX]) {
+    for (size_t j = 0; j < m->n_arms; j++) {
+        const palp_arm arm = m->arms[j];
+        size_t k = j;
+        for (; k > 0 && time_of(&m->arms[k - 1]) > time_of(&arm); k--) {
+            m->arms[k] = m->arms[k - 1];
+            order[k] = order[k - 1];
+        }
+        m->arms[k] = arm;
+        order[k] = j;
+    }
+}
+
 /* Derivatives by the coordinates of an estimate, or of its logarithm: springs, then K_j, b_j, tau_j; b_j =
- * K_j tau_j. */
-static double part(size_t springs, size_t estimate, size_t coordinate) {
+ * K_j tau_j. order: of the arms among the coordinates. */
+static double part(size_t springs, const size_t *order, size_t estimate, size_t coordinate) {
     if (estimate < springs)
         return estimate == coordinate;
-    const size_t first = springs + 2 * ((estimate - springs) / 3), what = (estimate - springs) % 3;
+    const size_t first = springs + 2 * order[(estimate - springs) / 3], what = (estimate - springs) % 3;
     return (coordinate == first && what < 2) || (coordinate == first + 1 && what > 0);
 }
 
@@ -64,7 +82,10 @@ static palp_status reserve(const palp_material *m, palp_lumped_fit *out) {
 /* Estimates, their correlation, and the parameters' covariance, all from the posterior's curvature. */
 static palp_status fill_estimates(const infer_search *s, const infer_posterior *p, palp_lumped_fit *out) {
     const explain_fit *c = &s->fit.c;
-    const palp_material *m = &c->model.material;
+    const palp_material *m = &out->material;
+    size_t order[PALP_ARMS_MAX];
+    out->material = c->model.material;
+    sort_arms(&out->material, order);
     palp_status status = reserve(m, out);
     const size_t springs = m->law.n, n = out->n_estimates;
     double *row = status ? NULL : calloc(n * p->g + n, sizeof *row), *scale = row ? row + n * p->g : NULL;
@@ -73,8 +94,8 @@ static palp_status fill_estimates(const infer_search *s, const infer_posterior *
     for (size_t i = 0; i < n; i++) {
         double at = 0.0;
         for (size_t a = 0; a < s->fit.k; a++) {
-            row[i * p->g + INFER_HATS + a] = part(springs, i, a) * infer_tail_widening(&s->fit);
-            at += part(springs, i, a) * c->x[a];
+            row[i * p->g + INFER_HATS + a] = part(springs, order, i, a) * infer_tail_widening(&s->fit);
+            at += part(springs, order, i, a) * c->x[a];
         }
         dense_forward(p->g, p->factor, 1, row + i * p->g);
         const double sd = sqrt(dense_dot(p->g, row + i * p->g, row + i * p->g));
@@ -215,7 +236,6 @@ palp_status infer_estimates_fill(infer_search *s, size_t n, const palp_explain_i
     palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
     if (status)
         return status;
-    out->mean.material = s->fit.c.model.material;
     status = fill_estimates(s, &p, &out->mean);
     if (!status)
         status = fill_runs(s, &p, n, inputs, &out->mean);

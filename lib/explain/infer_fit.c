@@ -94,8 +94,11 @@ void infer_noise_begin(infer_fit *fit, const explain_data *data) {
         fit->noise.slow[a] = 0.3 * white;
         fit->noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
     }
-    for (size_t i = 0; i < data->n; i++)
-        fit->sample[i].certain = 1.0;
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
+        for (size_t i = 0; i < data->run[r].n; i++) {
+            fit->sample[at + i].certain = 1.0;
+            fit->sample[at + i].samples = data->run[r].samples ? fmax(1.0, data->run[r].samples[i]) : 1.0;
+        }
     infer_steps_find(fit, data);
 }
 

@@ -49,6 +49,7 @@ typedef struct infer_sample {
     double by_depth, by_time; /* of the force: by a depth that is new, N/m; along the run, N/s */
     double keep;              /* correlation of the encoder's error with that of the sample before */
     double certain;           /* expected precision of what is independent, in units of its variance's */
+    double samples;           /* of which it is the mean, at least 1 */
 } infer_sample;
 
 /* Prior standard deviations; 0 = there is none of it. */

@@ -144,6 +144,8 @@ palp_status palp_explain_material(const palp_model *specimen, size_t n, const pa
         share_contact(&model, settings);
         s->settings = &arms;
         s->data.contacts_average_0 = true;
+        if (explain_fitted_runs(&s->data) < 2) /* that of one run is the average */
+            s->data.contacts_alike = true;
         s->n_given = model.n_effects;
         status = characterize(s, &model, n, inputs, choice, fit);
         infer_search_free(s);

@@ -183,10 +183,11 @@ void infer_unwhiten(size_t n, const double *work, double *x, double *inverse) {
  * states gain from sample i - 1 to i. */
 static void find_parts(const infer_noise *noise, size_t i, const infer_sample *sample, const kept *k,
                        double part[INFER_NOISES]) {
-    const double depth = sample->by_depth * noise->depth, clock = sample->by_time * noise->clock;
-    part[INFER_BY_WHITE] = noise->white * noise->white / sample->certain;
-    part[INFER_BY_DEPTH] = depth * depth / sample->certain;
-    part[INFER_BY_CLOCK] = clock * clock / sample->certain;
+    const double depth = sample->by_depth * noise->depth, clock = sample->by_time * noise->clock,
+                 precision = sample->certain * sample->samples;
+    part[INFER_BY_WHITE] = noise->white * noise->white / precision;
+    part[INFER_BY_DEPTH] = depth * depth / precision;
+    part[INFER_BY_CLOCK] = clock * clock / precision;
     for (int a = 0; a < S; a++) {
         const double size = a == ENCODER ? noise->encoder : noise->slow[a];
         part[INFER_BY_SLOW + a] = size * size * (i > 0 ? 1.0 - k->decay[a] * k->decay[a] : 1.0);
@@ -234,7 +235,7 @@ void infer_variance(const infer_fit *fit, size_t n, const infer_sample *sample, 
     const double same = noise->white * noise->white + fit->converter * fit->converter / 12.0;
     for (size_t i = 0; i < n; i++) {
         const double depth = sample[i].by_depth * noise->depth, clock = sample[i].by_time * noise->clock;
-        variance[i] = (same + depth * depth + clock * clock) / sample[i].certain;
+        variance[i] = (same + depth * depth + clock * clock) / (sample[i].certain * sample[i].samples);
     }
 }
 

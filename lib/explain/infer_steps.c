@@ -53,8 +53,9 @@ static void find_correlations(const explain_run *run, double step, infer_sample 
 void infer_steps_find(infer_fit *fit, const explain_data *data) {
     double depth = 0.0, force = 0.0;
     for (size_t r = 0; r < data->n_runs; r++) {
-        depth = infer_common_step(data->run[r].n, data->run[r].depth, depth);
-        force = infer_common_step(data->run[r].n, data->run[r].force, force);
+        const explain_run *run = &data->run[r];
+        depth = run->samples ? NAN : infer_common_step(run->n, run->depth, depth); /* means have none */
+        force = run->samples ? NAN : infer_common_step(run->n, run->force, force);
     }
     fit->converter = force > 0.0 ? force : 0.0; /* NAN: there is none */
     fit->noise.encoder = depth > 0.0 ? depth / sqrt(12.0) : 0.0;

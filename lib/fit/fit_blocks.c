@@ -1,7 +1,7 @@
 /* fit_blocks.c: recordings into blocks. */
 #include "base/file.h"
 #include "base/statistics.h"
-#include "data/segments_internal.h"
+#include "data/recording_internal.h"
 #include "fit_internal.h"
 
 #include <math.h>
@@ -18,74 +18,11 @@ static double strain_of(const palp_recording *rec, size_t i) {
            rec->height_m; /* one-sided: in the air the specimen rests */
 }
 
-/* The path of the plate in straight pieces: from sample `from` on every depth is within a tolerance of one
- * straight line. */
-typedef struct straight {
-    size_t from;
-    segments_cone cone;
-    double tolerance;
-} straight;
-
-/* A two-thousandth of the way, or more for an encoder whose counts or jitter are coarser: the typical second
- * difference of the depth, where it is not 0, unless only a few corners have one. */
-static palp_status path_tolerance(const palp_recording *rec, double *tolerance) {
-    double *bend = malloc(rec->n * sizeof *bend), least = 5e-4 * rec->deepest_m;
-    size_t m = 0;
-    if (!bend)
-        return PALP_ERR_NO_MEMORY;
-    segments_bends(rec->n, rec->depth_m, bend);
-    for (size_t i = 0; i + 2 < rec->n; i++)
-        if (bend[i] > 1e-9 * rec->deepest_m)
-            bend[m++] = bend[i];
-    double typical = m > rec->n / 500 + 4 ? statistics_median(bend, m) : 0.0;
-    *tolerance = fmin(fmax(1.5 * typical, least), 10.0 * least);
-    free(bend);
-    return PALP_OK;
-}
-
-/* Takes sample i; false, and a new piece from the sample before, if i is not on the line: a corner. */
-static bool goes_straight(straight *s, const palp_recording *rec, size_t i) {
-    for (int fresh = 0; fresh < 2; fresh++) {
-        double t = rec->time_s[i] - rec->time_s[s->from], way = rec->depth_m[i] - rec->depth_m[s->from];
-        if (segments_cone_take(&s->cone, t, way, s->tolerance))
-            return fresh == 0;
-        s->from = i - 1;
-        s->cone = segments_cone_open();
-    }
-    return false;
-}
-
-/* The same for the recording's path. Where a force is held, the plate wavers as the force's noise is
- * answered: it goes straight on, in blocks that are long against it; short ones would take the answer to the
- * noise for the specimen's. */
-static bool goes_on(straight *s, const palp_recording *rec, size_t i) {
-    for (size_t k = 0; k < rec->creep.n; k++) {
-        const palp_piece *creep = &rec->creep.piece[k];
-        if (i <= creep->first || i > creep->last)
-            continue;
-        s->from = i == creep->last ? i : creep->first;
-        s->cone = segments_cone_open();
-        return i != creep->first + 1;
-    }
-    return goes_straight(s, rec, i);
-}
-
-/* A block moves by less than a three-hundredth of the way and lasts less than a fiftieth of the time since
- * the last corner, so that the force is as good as linear in it. In the air before a press nothing happens.
- * Even samples meet these limits exactly: which side of them they are on must not be rounding's. */
-static bool same_block(const palp_recording *rec, size_t first, size_t i, size_t corner, bool pressed) {
-    bool late = rec->time_s[i] - rec->time_s[first] >
-                (1.0 + 1e-6) * 0.02 * (rec->time_s[first] - rec->time_s[corner]);
-    if (rec->depth_m[first] <= 0.0)
-        return rec->depth_m[i] <= 0.0 && !(pressed && late);
-    return rec->use[i] == rec->use[first] &&
-           fabs(rec->depth_m[i] - rec->depth_m[first]) < (1.0 - 1e-6) * rec->deepest_m / 300.0 && !late;
-}
-
-/* Adds the mean of samples first to end - 1, count of which speak for it. */
-static void add_block(fit_run *run, const palp_recording *rec, size_t first, size_t end, double count) {
-    double t = 0.0, e = 0.0, f = 0.0, n = (double)(end - first), strain = strain_of(rec, first);
-    for (size_t i = first; i < end; i++) {
+/* Adds the mean of its samples. */
+static void add_block(fit_run *run, const palp_recording *rec, const recording_block *block) {
+    const size_t first = block->first;
+    double t = 0.0, e = 0.0, f = 0.0, n = (double)(block->end - first), strain = strain_of(rec, first);
+    for (size_t i = first; i < block->end; i++) {
         t += rec->time_s[i] - rec->time_s[0];
         e += strain_of(rec, i) - strain;
         f += rec->force_N[i];
@@ -93,7 +30,7 @@ static void add_block(fit_run *run, const palp_recording *rec, size_t first, siz
     run->time[run->n] = t / n;
     run->strain[run->n] = strain + e / n; /* in a dwell, of every block the same to the bit */
     run->force[run->n] = f / n;
-    run->count[run->n] = count;
+    run->count[run->n] = block->counts ? n : 0.0;
     run->n++;
 }
 
@@ -104,30 +41,21 @@ bool fit_counts(const palp_recording *rec, const palp_characterize_settings *set
              rec->time_s[i] < rec->ramp_end_s);
 }
 
-/* Blocks of one recording. One that does not count, or that ends at a corner, leaves its last sample for the
- * history: the strain is linear between what is there. */
+/* Blocks of one recording. The strain is linear between what is there. */
 static palp_status cut(fit_run *run, const palp_recording *rec, const palp_characterize_settings *settings) {
-    straight path = {.from = 0, .cone = segments_cone_open()};
-    palp_status status = path_tolerance(rec, &path.tolerance);
-    if (status)
-        return status;
-    bool pressed = false;
-    for (size_t first = 0, end; first < rec->n; first = end) {
-        bool take = fit_counts(rec, settings, first), corner = false;
-        pressed = pressed || rec->depth_m[first] > 0.0;
-        size_t from = path.from;
-        for (end = first + 1; end < rec->n; end++) {
-            corner = !goes_on(&path, rec, end);
-            if (corner || fit_counts(rec, settings, end) != take ||
-                !same_block(rec, first, end, from, pressed))
-                break;
-        }
-        if (take)
-            add_block(run, rec, first, end, (double)(end - first));
-        if (!take || (corner && end - first > 1))
-            add_block(run, rec, end - 1, end, 0.0);
-    }
-    return PALP_OK;
+    recording_block *block = malloc(rec->n * sizeof *block);
+    unsigned char *counts = malloc(rec->n);
+    size_t n = 0;
+    palp_status status = block && counts ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < rec->n && !status; i++)
+        counts[i] = fit_counts(rec, settings, i);
+    if (!status)
+        status = recording_cut(rec, 300.0, counts, &n, block);
+    for (size_t i = 0; i < n && !status; i++)
+        add_block(run, rec, &block[i]);
+    free(block);
+    free(counts);
+    return status;
 }
 
 /* The encoder's count: the least step between neighbours, or difference of two steps, of which all steps are

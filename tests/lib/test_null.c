@@ -275,6 +275,8 @@ START_TEST(null_in_segments) {
     REFUSED(palp_segments_clock(2, NULL, numbers, (void *)storage));
     REFUSED(palp_segments_clock(2, numbers, NULL, (void *)storage));
     REFUSED(palp_segments_clock(2, numbers, numbers, NULL));
+    REFUSED(palp_recording_blocks(NULL, 100.0, (void *)storage));
+    REFUSED(palp_recording_blocks((void *)storage, 100.0, NULL));
     NOTHING(palp_recording_kind_of(NULL) == PALP_RECORDING_OTHER);
     REFUSED(palp_press_create(2, NULL, numbers, numbers, (void *)storage));
     REFUSED(palp_press_create(2, numbers, NULL, numbers, (void *)storage));

@@ -21,48 +21,63 @@ int characterize_likelihood_check(const characterize_options *o) {
                                                            "arms of another form");
 }
 
-/* ---- the runs as the recordings have them ---- */
+/* ---- the runs ---- */
 
-/* Index of the word's run in the state; s->n: it has none, as a part of another one. */
-static size_t run_of(const characterize_state *s, const char *word) {
-    size_t r = 0;
-    while (r < s->n && strcmp(s->run[r].name, word) != 0)
-        r++;
-    return r;
+/* All samples of a recording, relative to its contact. */
+static palp_status take_samples(const palp_recording *run, palp_experiment **e) {
+    palp_status status = palp_experiment_create(run->n, e);
+    if (status)
+        return status;
+    double *time = palp_experiment_column(*e, "time_s"), *depth = palp_experiment_column(*e, "depth_mm"),
+           *force = palp_experiment_column(*e, "force_N");
+    for (size_t i = 0; i < run->n; i++) {
+        time[i] = run->time_s[i];
+        depth[i] = 1e3 * run->depth_m[i];
+        force[i] = run->force_N[i];
+    }
+    return PALP_OK;
 }
 
-/* What the file says of contact, height, radius and specimen as the state has it: depth 0 is contact, force 0
- * that without one. The state's runs are scaled to one height and area. */
-static palp_status set_run(const characterize_state *s, size_t r, palp_experiment *e) {
+enum { MANY = 8000, PARTS = 100 };
+
+/* Run r with the height and area of its own specimen: those of the state are scaled to one. */
+static palp_status make_run(const characterize_state *s, size_t r, bool blocks, palp_experiment **e) {
     const palp_recording *run = &s->run[r];
     const characterize_body *body = &s->body[s->specimen[r]];
-    const double height = body->height_m, radius = body->radius_m,
+    const double height = body->height_m, radius = body->radius_m, length = height / run->height_m,
                  area = radius > 0 ? pow(radius / run->radius_m, 2) : 1;
-    double *depth = palp_experiment_column(e, "depth_mm"), *force = palp_experiment_column(e, "force_N");
-    const double contact = 1e3 * run->contact_m * height / run->height_m, zero = run->zero_N * area;
     char name[32];
-    for (size_t i = 0; i < palp_experiment_rows(e); i++) {
-        depth[i] -= contact;
-        force[i] -= zero;
+    palp_status status = blocks ? palp_recording_blocks(run, PARTS, e) : take_samples(run, e);
+    if (status)
+        return status;
+    double *depth = palp_experiment_column(*e, "depth_mm"), *force = palp_experiment_column(*e, "force_N");
+    for (size_t i = 0; i < palp_experiment_rows(*e); i++) {
+        depth[i] *= length;
+        force[i] *= area;
     }
     snprintf(name, sizeof name, "specimen %zu", s->n_specimens > 1 ? s->specimen[r] + 1 : 1);
-    palp_status status = palp_experiment_set_string(e, "specimen.name", name);
+    status = palp_experiment_set_string(*e, "specimen.name", name);
     if (!status)
-        status = palp_experiment_set_number(e, "specimen.height_mm", 1e3 * height);
-    return status || !(radius > 0) ? status
-                                   : palp_experiment_set_number(e, "specimen.radius_mm", 1e3 * radius);
+        status = palp_experiment_set_number(*e, "specimen.height_mm", 1e3 * height);
+    if (!status && radius > 0)
+        status = palp_experiment_set_number(*e, "specimen.radius_mm", 1e3 * radius);
+    if (!status && run->contact_rule == PALP_CONTACT_GIVEN)
+        status = palp_experiment_set_number(*e, "contact.sd_mm", 1e3 * run->contact_sd_m * length);
+    return status;
 }
 
-static int set_runs(const characterize_options *o, const characterize_state *s, palp_experiment **run) {
-    palp_experiment *whole[CHARACTERIZE_RUNS_MAX];
-    size_t of[CHARACTERIZE_RUNS_MAX];
-    palp_status status = palp_experiment_join(o->n_words, (const palp_experiment *const *)run, whole, of);
-    for (size_t i = 0; i < o->n_words && !status; i++) {
-        const size_t r = run_of(s, o->words[of[i]]); /* a part is as the run that it continues */
-        palp_experiment_free(whole[i]);
-        status = r < s->n ? set_run(s, r, run[i]) : PALP_OK;
+/* Of many samples the means of blocks are as good, and their cost is less. */
+static int make_runs(const characterize_state *s, palp_experiment **run, palp_explain_input *input) {
+    size_t samples = 0;
+    for (size_t r = 0; r < s->n; r++)
+        samples += s->run[r].n;
+    for (size_t r = 0; r < s->n; r++) {
+        palp_status status = make_run(s, r, samples > MANY, &run[r]);
+        if (status)
+            return cli_status_of(NAME, s->run[r].name, status, NULL);
+        input[r] = (palp_explain_input){run[r], s->run[r].name};
     }
-    return status ? cli_status_of(NAME, o->words[0], status, NULL) : CLI_OK;
+    return CLI_OK;
 }
 
 /* ---- the choice ---- */
@@ -89,67 +104,42 @@ static palp_status choose(const characterize_options *o, characterize_state *s, 
 
 /* ---- the result ---- */
 
-/* The fit's runs are the given words; those of the state are sorted, and scaled. */
-static palp_status take_runs(const characterize_options *o, characterize_state *s, palp_lumped_fit *fit) {
-    double *sorted = calloc(4 * s->n, sizeof *sorted);
-    if (!sorted)
-        return PALP_ERR_NO_MEMORY;
-    for (size_t k = 0; k < o->n_words; k++) {
-        const size_t i = run_of(s, o->words[k]);
-        if (i == s->n)
-            continue;
-        const double height = s->run[i].height_m / s->body[s->specimen[i]].height_m;
-        sorted[4 * i] = fit->contact_m[k] * height;
-        sorted[4 * i + 1] = fit->contact_sd_m[k] * height;
-        sorted[4 * i + 2] = fit->rms_N[k];
-        sorted[4 * i + 3] = fit->absolute_N[k];
+/* What the model leaves of all samples that count, without a zero and a gain of each run's own. */
+static palp_status measure_residuals(characterize_state *s) {
+    for (size_t r = 0; r < s->n; r++) {
+        const palp_recording *run = &s->run[r];
+        double square = 0, sum = 0, count = 0, *force = malloc(run->n * sizeof *force);
+        palp_status status = force ? palp_lumped_fit_force(&s->final, r, run, force) : PALP_ERR_NO_MEMORY;
+        for (size_t i = 0; i < run->n && status == PALP_OK; i++) {
+            if (!run->use[i] || run->depth_m[i] <= 0)
+                continue;
+            const double miss = force[i] - run->force_N[i];
+            square += miss * miss;
+            sum += fabs(miss);
+            count += 1;
+        }
+        free(force);
+        if (status)
+            return status;
+        s->final.rms_N[r] = count > 0 ? sqrt(square / count) : 0;
+        s->final.absolute_N[r] = sum;
     }
-    for (size_t i = 0; i < s->n; i++) { /* no more runs than words */
-        fit->contact_m[i] = sorted[4 * i];
-        fit->contact_sd_m[i] = sorted[4 * i + 1];
-        fit->rms_N[i] = sorted[4 * i + 2];
-        fit->absolute_N[i] = sorted[4 * i + 3];
-    }
-    fit->n_runs = s->n;
-    free(sorted);
     return PALP_OK;
 }
 
-/* The fit numbers the specimens as they come first among the words. */
-static void sort_specimens(const characterize_options *o, const characterize_state *s,
-                           palp_specimens_fit *fit) {
-    palp_material own[CHARACTERIZE_RUNS_MAX];
-    double factor[CHARACTERIZE_RUNS_MAX];
-    bool seen[CHARACTERIZE_RUNS_MAX] = {false};
-    size_t n = 0;
-    for (size_t k = 0; k < o->n_words && n < fit->n_specimens; k++) {
-        const size_t r = run_of(s, o->words[k]);
-        if (r == s->n || seen[s->specimen[r]])
-            continue;
-        seen[s->specimen[r]] = true;
-        own[s->specimen[r]] = fit->own[n];
-        factor[s->specimen[r]] = fit->factor[n++];
-    }
-    for (size_t k = 0; k < n; k++) {
-        fit->own[k] = own[k];
-        fit->factor[k] = factor[k];
-    }
-}
-
-static void take(const characterize_options *o, characterize_state *s) {
+static palp_status take(characterize_state *s) {
     for (size_t k = 0; k < s->n_specimens; k++)
         s->factor[k] = 1.0;
-    if (s->n_specimens > 1)
-        sort_specimens(o, s, &s->specimens);
     characterize_take_spread(s);
     s->has_final = true;
     s->material = s->final.material;
     s->n_arms = s->material.n_arms;
     if (s->material.law.kind == PALP_LAW_POLYNOMIAL)
         s->degree = s->material.law.n;
-    s->contact = PALP_CONTACT_FREE;
+    s->contact_scatter_m = s->final.contact_scatter_m;
     characterize_move_contacts(s, &s->final);
     memset(s->final.contact_m, 0, s->n * sizeof *s->final.contact_m);
+    return measure_residuals(s);
 }
 
 int characterize_likelihood(const characterize_options *o, characterize_state *s) {
@@ -162,9 +152,8 @@ int characterize_likelihood(const characterize_options *o, characterize_state *s
     palp_explain_choice choice = {.n_laws = 0};
     palp_model specimen = {
         .kind = PALP_MODEL_LUMPED, .height_m = s->run[0].height_m, .radius_m = s->run[0].radius_m};
-    settings.contact = forms[o->contact];
-    int code = open_runs(NAME, o->n_words, o->words, 0, run, input);
-    code = code ? code : set_runs(o, s, run);
+    settings.contact = s->contact = forms[o->contact];
+    int code = make_runs(s, run, input);
     if (code == CLI_OK) {
         palp_status status = choose(o, s, &choice);
         if (status == PALP_ERR_INPUT)
@@ -172,15 +161,11 @@ int characterize_likelihood(const characterize_options *o, characterize_state *s
                 cli_failure(NAME, "%s: --law needs the specimen's radius; add a line # specimen.radius_mm: R",
                             s->run[0].name);
         if (!status)
-            status = palp_explain_material(&specimen, o->n_words, input, &settings, &choice, &s->specimens,
-                                           &error);
-        if (!status)
-            status = take_runs(o, s, &s->specimens.mean);
+            status = palp_explain_material(&specimen, s->n, input, &settings, &choice, &s->specimens, &error);
         code = code || !status ? code : cli_status(NAME, status, &error);
     }
-    for (size_t i = 0; i < o->n_words; i++)
+    for (size_t i = 0; i < s->n; i++)
         palp_experiment_free(run[i]);
-    if (code == CLI_OK)
-        take(o, s);
-    return code;
+    palp_status status = code == CLI_OK ? take(s) : PALP_OK;
+    return code || !status ? code : cli_status(NAME, status, NULL);
 }

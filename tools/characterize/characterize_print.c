@@ -8,7 +8,7 @@
 
 static const char NAME[] = "characterize";
 
-enum { PAIRS_MAX = 12 };
+enum { PAIRS_MAX = 12, MANY_KNOTS = 8 };
 
 /* "7.608 +-0.012", half the interval; "?" if the data do not identify it. */
 static void with_half(char text[2 * DIGITS_TEXT], const palp_estimate *e) {
@@ -81,9 +81,17 @@ static void print_single(const characterize_state *s) {
     }
 }
 
+/* The first estimate that is listed: the knots of a spline have a band of their own. */
+static size_t first_listed(const palp_lumped_fit *f) {
+    return f->n_parameters && f->material.law.kind == PALP_LAW_SPLINE ? f->material.law.n : 0;
+}
+
 static void print_estimates(const palp_lumped_fit *f) {
+    const size_t first = first_listed(f);
+    if (first == f->n_estimates)
+        return;
     printf("  %-10s %14s   %s\n", "parameter", "value", "95 % interval");
-    for (size_t i = 0; i < f->n_estimates; i++) {
+    for (size_t i = first; i < f->n_estimates; i++) {
         const palp_estimate *e = &f->estimate[i];
         double half = 0.5 * (e->high - e->low);
         char value[DIGITS_TEXT], low[DIGITS_TEXT], high[DIGITS_TEXT];
@@ -98,7 +106,7 @@ static void print_estimates(const palp_lumped_fit *f) {
 
 static void print_pairs(const palp_lumped_fit *f) {
     size_t n = f->n_estimates, found = 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = first_listed(f); i < n; i++) {
         for (size_t j = i + 1; j < n; j++) {
             double c = f->correlation[i * n + j];
             if (fabs(c) > 0.95) {
@@ -139,7 +147,10 @@ static void print_final(const characterize_state *s) {
     const palp_lumped_fit *f = &s->final;
     printf(s->has_final ? "Model: one law%s over all runs\n" : "Model: the static law%s\n",
            s->material.n_arms ? " and one set of arms" : "");
-    law_text_print(&s->material.law);
+    if (s->has_final && first_listed(f) > MANY_KNOTS)
+        printf("  K(e): a monotone cubic through %zu knots, with the band below\n", first_listed(f));
+    else
+        law_text_print(&s->material.law);
     print_arms(&s->material);
     if (!s->has_final)
         return;
@@ -154,8 +165,10 @@ static void print_final(const characterize_state *s) {
     for (size_t i = 0; i < f->n_runs; i++)
         printf("  %-*s %9.4g  %12.4g  %22.3f %%\n", width, s->run[i].name, 1e3 * f->rms_N[i],
                characterize_noise_ratio(f, i, &s->run[i]), 100 * s->largest_N[i] / s->peak_N[i]);
-    printf("  total |residual| %.6g N; intervals widened %.3g times for misfit and correlated noise\n",
-           characterize_total(f), f->inflation);
+    printf("  total |residual| %.6g N", characterize_total(f));
+    if (f->inflation > 1)
+        printf("; intervals widened %.3g times for misfit and correlated noise", f->inflation);
+    putchar('\n');
 }
 
 /* Coefficients are strongly correlated, so the band is shown for the force. */

@@ -650,7 +650,9 @@ function per_depth(r) {
 }
 
 function parameters() {
-  return results("characterize").map(r => [tables(estimates("The model: one law, one set of arms", r.estimates),
+  /* the knots of a spline are in the figure of the law, with its band */
+  const named = r => list(r.estimates).filter(e => r.law?.kind !== "spline" || !/^c\d/.test(e.name));
+  return results("characterize").map(r => [tables(estimates("The model: one law, one set of arms", named(r)),
     estimates("Arms shared by all holds, K_inf of each", r.shared?.estimates),
       estimates("Moduli of the layer under the tip", r.moduli?.estimates)), correlated(r), per_depth(r)]);
 }
