@@ -42,7 +42,8 @@ SUITESPARSE_LIBS   ?= -lcholmod -lamd -lcolamd -lsuitesparseconfig
 # pthread variant behind that name: the serial one has no locks, and two threads that call it spoil each other's results.
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --libs lapack blas 2>/dev/null || echo -llapack -lblas)
 DEP_CFLAGS := $(SUITESPARSE_CFLAGS) $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags nlopt jansson 2>/dev/null))
-LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs nlopt jansson 2>/dev/null || echo -lnlopt -ljansson) $(BLAS_LIBS) -lpthread -lm
+SIM_LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs jansson 2>/dev/null || echo -ljansson) $(BLAS_LIBS) -lpthread -lm
+LIBS := $(shell $(PKG_CONFIG) --libs nlopt 2>/dev/null || echo -lnlopt) $(SIM_LIBS)
 SERIAL_CFLAGS := $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags libserialport 2>/dev/null))
 SERIAL_LIBS  = $(shell $(PKG_CONFIG) --libs libserialport 2>/dev/null || echo -lserialport)
 # Optional: without it palpate panel says what is missing.
@@ -84,16 +85,21 @@ TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS) tests/tools/serial_shim.c,$(wildcar
 CORE_TEST_HELP := $(filter-out $(CORE_TESTS),$(wildcard tests/firmware/*.c))
 BENCH_HELP     := $(filter-out $(BENCHES),$(wildcard bench/*.c))
 HEADERS := $(wildcard include/palpate/*.h)
-DOCUMENTS := README.md LICENSE $(wildcard doc/*.md doc/pictures/* doc/schema/*.json doc/schema/page.py) $(EXAMPLES) $(wildcard examples/poke/*)
+DOCUMENTS := README.md LICENSE $(wildcard doc/*.md doc/pictures/* doc/schema/*.json doc/schema/page.py) $(EXAMPLES) $(wildcard examples/poke/* examples/cmake/*)
 MAN_SRC := $(wildcard doc/*.scd)
 
 obj  = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 prog = $(patsubst %.c,$(BUILD)/%,$(1))
 STATIC := $(BUILD)/libpalpate.a
 INTERNAL := $(BUILD)/obj/libpalpate.a
+# What a simulator needs that only steps: networks, tools, cuts. It has no NLopt.
+SIM_SRC := $(filter-out lib/solve/least_squares.c,$(foreach f,base material mesh solve effect model network contact cut realtime reduce,$(wildcard lib/$(f)/*.c)))
+SIM_STATIC := $(BUILD)/libpalpate-sim.a
 CORE   := $(BUILD)/libindenter.a
 SONAME := libpalpate.so.$(SOVERSION)
 SHARED := $(BUILD)/libpalpate.so.$(VERSION)
+SIM_SONAME := libpalpate-sim.so.$(SOVERSION)
+SIM_SHARED := $(BUILD)/libpalpate-sim.so.$(VERSION)
 TOOL   := $(BUILD)/palpate
 POKE   := $(BUILD)/examples/poke/poke
 TEST_PROGRAMS := $(call prog,$(LIB_TESTS) $(TOOL_TESTS) $(CORE_TESTS))
@@ -105,8 +111,8 @@ endif
 # ---- building ------------------------------------------------------------------------------------
 .PHONY: all static shared programs tests examples poke poke-build FORCE
 all: static shared $(TOOL) firmware-host ## the static and shared library and the palpate command, under build/
-static: $(STATIC)
-shared: $(SHARED)
+static: $(STATIC) $(SIM_STATIC)
+shared: $(SHARED) $(SIM_SHARED)
 tests: $(TEST_PROGRAMS) $(TOOL) firmware-host
 examples: $(call prog,$(EXAMPLES)) ## build/examples/*: what a simulator author starts from (doc/simulator.md)
 programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_POKE),$(POKE))
@@ -147,6 +153,9 @@ $(BUILD)/palpate.o: $(call obj,$(LIB_SRC)) lib/palpate.map
 	@mkdir -p $(@D) && sed -n 's/^ *\(palp_[a-z0-9_]*\);$$/\1/p' lib/palpate.map >$@.names
 	$(Q)$(LD) -r -o $@ $(filter %.o,$^) && $(OBJCOPY) --keep-global-symbols=$@.names $@
 $(STATIC): $(BUILD)/palpate.o
+$(BUILD)/palpate-sim.o: $(call obj,$(SIM_SRC)) $(BUILD)/palpate.o
+	$(Q)$(LD) -r -o $@ $(filter-out $(BUILD)/palpate.o,$^) && $(OBJCOPY) --keep-global-symbols=$(BUILD)/palpate.o.names $@
+$(SIM_STATIC): $(BUILD)/palpate-sim.o
 # The part of the firmware that knows no registers: the plant shares its sensor, the tests run it.
 $(CORE): $(call obj,$(CORE_SRC))
 %.a:
@@ -160,6 +169,12 @@ $(SHARED): $(call obj,$(LIB_SRC)) lib/palpate.map
 	    -Wl,-z,defs -o $@ $(filter %.o,$^) $(LIBS)
 	@ln -sf $(notdir $@) $(BUILD)/$(SONAME)
 	@ln -sf $(notdir $@) $(BUILD)/libpalpate.so
+$(SIM_SHARED): $(call obj,$(SIM_SRC)) lib/palpate.map
+	$(call note,LD   $@)
+	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -shared -Wl,-soname,$(SIM_SONAME) -Wl,--version-script=lib/palpate.map \
+	    -Wl,-z,defs -o $@ $(filter %.o,$^) $(SIM_LIBS)
+	@ln -sf $(notdir $@) $(BUILD)/$(SIM_SONAME)
+	@ln -sf $(notdir $@) $(BUILD)/libpalpate-sim.so
 
 # Programs. A line "/* link: FLAGS */" in a program's source adds linker flags, e.g. -Wl,--wrap=malloc.
 own_flags = $(shell sed -n 's,^/\* link: \(.*\) \*/$$,\1,p' $*.c 2>/dev/null)
@@ -263,12 +278,12 @@ $(BUILD)/man/%: doc/%.scd
 man: $(MAN_PAGES) ## the manual pages (needs scdoc)
 
 install: all $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if given
-	install -d '$(D)$(BINDIR)' '$(D)$(LIBDIR)/pkgconfig' '$(D)$(INCLUDEDIR)/palpate'
+	install -d '$(D)$(BINDIR)' '$(D)$(LIBDIR)/pkgconfig' '$(D)$(LIBDIR)/cmake/palpate' '$(D)$(INCLUDEDIR)/palpate'
 	install -m 755 $(TOOL) '$(D)$(BINDIR)'
 	install -D -m 644 tools/completion/palpate.bash '$(D)$(BASHDIR)/palpate'
 	install -D -m 644 tools/completion/_palpate '$(D)$(ZSHDIR)/_palpate'
 	install -m 644 $(HEADERS) '$(D)$(INCLUDEDIR)/palpate'
-	install -m 644 $(STATIC) $(SHARED) '$(D)$(LIBDIR)'
+	install -m 644 $(STATIC) $(SHARED) $(SIM_STATIC) $(SIM_SHARED) '$(D)$(LIBDIR)'
 	install -D -m 644 tools/indenter/70-palpate.rules '$(D)$(UDEVDIR)/70-palpate.rules'
 	install -d '$(D)$(IMAGEDIR)'
 	install -m 755 $(FW)/indenter_host '$(D)$(IMAGEDIR)'
@@ -276,9 +291,18 @@ install: all $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if 
 	$(if $(FW_IMAGES),install -m 644 $(FW_IMAGES) '$(D)$(IMAGEDIR)')
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/libpalpate.so'
+	ln -sf $(notdir $(SIM_SHARED)) '$(D)$(LIBDIR)/$(SIM_SONAME)'
+	ln -sf $(notdir $(SIM_SHARED)) '$(D)$(LIBDIR)/libpalpate-sim.so'
 	@sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR:$(PREFIX)/%=$${prefix}/%)|' -e 's|@VERSION@|$(VERSION)|' \
 	    -e 's|@INCLUDEDIR@|$(INCLUDEDIR:$(PREFIX)/%=$${prefix}/%)|' -e 's|@LIBS@|$(strip $(LIBS))|' \
 	    lib/palpate.pc.in >'$(D)$(LIBDIR)/pkgconfig/palpate.pc'
+	@sed -e 's|-lpalpate|-lpalpate-sim|' -e 's|^Name: palpate|&-sim|' -e 's|^Libs.private:.*|Libs.private: $(strip $(SIM_LIBS))|' \
+	    -e 's|^Description:.*|Description: the part of palpate that a simulator steps tissue with|' \
+	    '$(D)$(LIBDIR)/pkgconfig/palpate.pc' >'$(D)$(LIBDIR)/pkgconfig/palpate-sim.pc'
+	@sed -e 's|@UP@|$(shell echo '$(LIBDIR:$(PREFIX)/%=%)/cmake/palpate' | sed 's|[^/][^/]*|..|g')|' -e 's|@LIBDIR@|$(LIBDIR:$(PREFIX)/%=%)|' \
+	    -e 's|@INCLUDEDIR@|$(INCLUDEDIR:$(PREFIX)/%=%)|' -e 's|@LIBS@|$(strip $(LIBS))|' -e 's|@SIM_LIBS@|$(strip $(SIM_LIBS))|' \
+	    lib/palpate-config.cmake.in >'$(D)$(LIBDIR)/cmake/palpate/palpate-config.cmake'
+	@sed 's|@VERSION@|$(VERSION)|' lib/palpate-config-version.cmake.in >'$(D)$(LIBDIR)/cmake/palpate/palpate-config-version.cmake'
 	+@if command -v scdoc >/dev/null; then $(MAKE) -s --no-print-directory man && for p in $(MAN_PAGES); do \
 	    install -D -m 644 $$p "$(D)$(MANDIR)/man$${p##*.}/$${p##*/}" || exit 1; done; \
 	  else echo "scdoc is not installed: no manual pages"; fi
@@ -286,12 +310,13 @@ install: all $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if 
 
 uninstall: ## removes what install put there
 	rm -f '$(D)$(BASHDIR)/palpate' '$(D)$(ZSHDIR)/_palpate' '$(D)$(BINDIR)/palpate' '$(D)$(LIBDIR)/pkgconfig/palpate.pc'
-	rm -f $(foreach f,$(notdir $(STATIC) $(SHARED)) $(SONAME) libpalpate.so,'$(D)$(LIBDIR)/$(f)')
+	rm -f $(foreach f,$(notdir $(STATIC) $(SHARED) $(SIM_STATIC) $(SIM_SHARED)) $(SONAME) $(SIM_SONAME) libpalpate.so libpalpate-sim.so \
+	    pkgconfig/palpate-sim.pc cmake/palpate/palpate-config.cmake cmake/palpate/palpate-config-version.cmake,'$(D)$(LIBDIR)/$(f)')
 	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
 	rm -f '$(D)$(UDEVDIR)/70-palpate.rules' $(foreach f,indenter_host $(FW_IMAGE_NAMES),'$(D)$(IMAGEDIR)/$(f)')
 	rm -f $(foreach f,$(DOCUMENTS),'$(D)$(DOCDIR)/$(f)')
-	-rmdir '$(D)$(INCLUDEDIR)/palpate' '$(D)$(IMAGEDIR)' $(foreach f,/doc/pictures /doc/schema /doc /examples/poke /examples /,'$(D)$(DOCDIR)$(f)')
+	-rmdir '$(D)$(LIBDIR)/cmake/palpate' '$(D)$(INCLUDEDIR)/palpate' '$(D)$(IMAGEDIR)' $(foreach f,/doc/pictures /doc/schema /doc /examples/poke /examples/cmake /examples /,'$(D)$(DOCDIR)$(f)')
 
 # ---- the rest ------------------------------------------------------------------------------------
 .PHONY: dist symbols libs clean help

@@ -22,7 +22,7 @@ network: model | network vtu
 contact: network | tool
 cut: network | cut
 realtime: contact cut | realtime
-reduce: realtime | reduce
+reduce: realtime | reduce sim
 response: network | forward specimen
 fit: data response realtime | characterize calibrate moduli spectrum
 explain: response fit data | explain

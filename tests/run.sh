@@ -113,7 +113,7 @@ check)
     optimized
     scripts gcc "$BUILD"
     programs gcc "$BUILD"
-    add "installed library" "sh tests/install/run.sh"
+    add "installed library" "sh tests/install/run.sh && sh tests/install/cmake.sh"
     add "exported symbols" "sh tests/install/symbols.sh"
     add "public headers" "sh tests/install/headers.sh"
     add "manual pages" "sh tests/install/manual.sh"

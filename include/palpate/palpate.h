@@ -24,6 +24,7 @@
 #include <palpate/recording.h>
 #include <palpate/segments.h>
 #include <palpate/reduce.h>
+#include <palpate/sim.h>
 #include <palpate/solver.h>
 #include <palpate/specimen.h>
 #include <palpate/spectrum.h>

@@ -9,6 +9,12 @@
  * Stable: it is meant to stay as it is; what has to go is kept beside the new one for one minor version.
  * May change: names, structures and results may differ. */
 #define PALP_VERSION "0.1.0"
+#define PALP_VERSION_MAJOR 0
+#define PALP_VERSION_MINOR 1
+#define PALP_VERSION_PATCH 0
+
+/* For the preprocessor: #if PALP_VERSION_NUMBER >= 100, for 0.1.0. */
+#define PALP_VERSION_NUMBER (10000 * PALP_VERSION_MAJOR + 100 * PALP_VERSION_MINOR + PALP_VERSION_PATCH)
 
 #ifdef __cplusplus
 extern "C" {
