@@ -258,14 +258,15 @@ typedef struct palp_explain_choice {
     bool no_spline;      /* the spline does not compete: one of the laws is taken */
 } palp_explain_choice;
 
-/* The lumped solid of runs by the same likelihood, without effects: arms as long as one more gains what
- * settings->false_alarm wants, driven by the strain or by the elastic force (quasi-linear), and the law of
- * the largest evidence. specimen: height and radius, to which all runs are scaled by the sizes in their
- * files, and known effects; its material is not read. fit, the caller's to free: of mean, arrays over runs
- * are in the order of inputs, and contact_m is from recorded depth 0. Specimens are numbered as they come
- * first among the inputs (specimen.name); with one, fit has the mean alone. n_spread is 1 if they differ: all
- * stiffnesses of one by a factor, all times, and the law alone. settings: false_alarm, contact, loop, stop.
- * ERR_ARGUMENT: no runs, arms out of range, no_spline without a law; errors of palp_explain. */
+/* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy: arms as long as
+ * one more gains what settings->false_alarm wants, driven by the strain or by the elastic force
+ * (quasi-linear), and the law of the largest evidence. specimen: height and radius, to which all runs are
+ * scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's to free:
+ * of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0. Specimens are
+ * numbered as they come first among the inputs (specimen.name); with one, fit has the mean alone. n_spread is
+ * 1 if they differ: all stiffnesses of one by a factor, all times, and the law alone. settings: false_alarm,
+ * contact, loop, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline without a law; errors of
+ * palp_explain. */
 PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
                                            const palp_explain_input *inputs,
                                            const palp_explain_settings *settings,

@@ -36,21 +36,6 @@ static bool has_arm(const infer_trial *t) {
     return m->effects[m->n_effects - 1].value[0] > 0.0;
 }
 
-/* An arm and another drive beside the fit at hand without its discrepancy, which may stand for them. */
-static palp_status try_without_discrepancy(infer_search *s) {
-    enum { ROUNDS = 6 };
-    infer_fit own = s->fit;
-    palp_status status = infer_fit_copy(&own, &s->data, &s->fit);
-    if (!status)
-        status = infer_fit_anneal(&s->fit, &s->data, ROUNDS);
-    if (!status)
-        status = infer_try_all(s);
-    if (s->fit.raw)
-        infer_fit_free(&s->fit);
-    s->fit = own;
-    return status;
-}
-
 /* Arms that are driven otherwise, if the fit with them is more probable. */
 static palp_status take_drive(infer_search *s, infer_trial *t, bool *taken) {
     palp_status status = infer_fit_settle(&t->fit, &s->data, 2, true);
@@ -66,7 +51,7 @@ static palp_status find_arms(infer_search *s, size_t least, size_t most) {
     bool taken = true;
     while (!status && taken && s->fit.c.model.material.n_arms < most) {
         infer_trial *arm = &s->trial[PALP_EFFECT_RELAXATION_ARM], *drive = &s->trial[INFER_DRIVE];
-        status = try_without_discrepancy(s);
+        status = infer_try_all(s);
         const bool wanted = s->fit.c.model.material.n_arms < least;
         taken = false;
         if (!status && drive->fit.raw && drive->gain > threshold &&
@@ -143,7 +128,7 @@ palp_status palp_explain_material(const palp_model *specimen, size_t n, const pa
         infer_use_spikes(&s->data);
         share_contact(&model, settings);
         s->settings = &arms;
-        s->data.contacts_average_0 = true;
+        s->data.contacts_average_0 = s->data.law_alone = true;
         if (explain_fitted_runs(&s->data) < 2) /* that of one run is the average */
             s->data.contacts_alike = true;
         s->n_given = model.n_effects;

@@ -108,11 +108,11 @@ bool infer_pressed_again(const explain_data *data) {
 infer_sizes infer_sizes_first(const explain_data *data) {
     const double white = data->run[0].white, guess = fmax(white, 0.01 * data->peak);
     infer_sizes sizes = {.own = {white, data->contacts_alike ? 0.0 : 0.01 * data->deepest,
-                                 infer_pressed_again(data) ? 0.01 : 0.0},
+                                 infer_pressed_again(data) && !data->law_alone ? 0.01 : 0.0},
                          .bend = 0.1};
     for (size_t a = 0; a < INFER_SPECIMEN; a++)
         sizes.specimen[a] = data->n_specimens > 1 ? 0.1 : 0.0;
-    for (size_t d = 0; d < INFER_DOMAINS; d++)
+    for (size_t d = 0; d < INFER_DOMAINS && !data->law_alone; d++)
         for (size_t l = 0; l < INFER_LENGTHS; l++) {
             sizes.common[d][l] = guess;
             sizes.each[d][l] = data->n_runs > 1 ? guess : 0.0;

@@ -151,14 +151,14 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
 void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data) {
     const double small = 3.0 * fit->noise.white / sqrt((double)explain_samples(data));
     const bool several = data->n_runs > 1;
-    const double own[INFER_GAIN + 1] = {small,
-                                        data->contacts_alike ? 0.0 : small / data->peak * data->deepest,
-                                        infer_pressed_again(data) ? small / data->peak : 0.0};
+    const double own[INFER_GAIN + 1] = {
+        small, data->contacts_alike ? 0.0 : small / data->peak * data->deepest,
+        infer_pressed_again(data) && !data->law_alone ? small / data->peak : 0.0};
     for (size_t a = 0; a <= INFER_GAIN; a++)
         fit->sizes.own[a] = fmax(fit->sizes.own[a], own[a]);
     for (size_t a = 0; a < INFER_SPECIMEN && data->n_specimens > 1; a++)
         fit->sizes.specimen[a] = fmax(fit->sizes.specimen[a], small / data->peak);
-    for (size_t d = 0; d < INFER_DOMAINS && !fit->plain; d++)
+    for (size_t d = 0; d < INFER_DOMAINS && !fit->plain && !data->law_alone; d++)
         for (size_t l = 0; l < INFER_LENGTHS; l++) {
             fit->sizes.common[d][l] = fmax(fit->sizes.common[d][l], small);
             fit->sizes.each[d][l] = fmax(fit->sizes.each[d][l], several ? small : 0.0);
