@@ -98,10 +98,10 @@ PALP_API palp_status palp_recording_check(const palp_experiment *experiment, con
                                           double height_m, palp_error *error);
 PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, zeroes; NULL is fine */
 
-/* The recording as means of blocks of samples, relative to its contact; the caller frees it. parts (10 or
- * more): in a block the path is straight, the plate moves by less than deepest_m / parts, and it lasts less
- * than 6 / parts of the time since the last corner. Column "samples": of how many samples a row is the mean;
- * 0: it only carries the path, and its force does not count. ERR_ARGUMENT: fewer parts; ERR_NO_MEMORY. */
+/* The recording as means of blocks of samples, relative to its contact; the caller frees it. In a block the
+ * path is straight and the plate moves by less than deepest_m / parts (10 or more). A block lasts less than
+ * 6 / parts of the time since the last corner. Column "samples": of how many samples a row is the mean; 0: it
+ * only carries the path, and its force does not count. ERR_ARGUMENT: fewer parts; ERR_NO_MEMORY. */
 PALP_API palp_status palp_recording_blocks(const palp_recording *recording, double parts,
                                            palp_experiment **blocks);
 

@@ -59,9 +59,9 @@ static bool goes_on(straight *s, const palp_recording *rec, size_t i) {
     return goes_straight(s, rec, i);
 }
 
-/* A block moves by less than one of so many parts of the way, and lasts less than six of as many parts of the
- * time since the last corner, so that the force is as good as linear in it. In the air, where it does not
- * count, nothing happens. Even samples meet these limits exactly: which side of them they are on must not be
+/* A block moves by less than one of so many parts of the way. It lasts less than six of as many parts of the
+ * time since the last corner: the force is as good as linear in it. In the air, where it does not count,
+ * nothing happens. Even samples meet these limits exactly: which side of them they are on must not be
  * rounding's. */
 static bool same_block(const palp_recording *rec, double parts, const unsigned char *counts, size_t first,
                        size_t i, size_t corner, bool pressed) {
