@@ -198,7 +198,6 @@ typedef struct palp_explain_next {
     palp_effect_id between[2];
     double separation_N; /* expected rms difference */
     double nats;         /* expected log odds between the two after it */
-    const char *note;    /* NULL, or what the indenter alone cannot do */
 } palp_explain_next;
 
 /* The result; palp_explanation_free. */

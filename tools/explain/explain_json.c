@@ -230,8 +230,6 @@ static json_t *next_json(const palp_explanation *e) {
     json_figures(object, {"separation_N", next->separation_N});
     if (next->nats > 0)
         json_figures(object, {"nats", next->nats});
-    if (next->note)
-        json_object_set_new(object, "note", json_string(next->note));
     return object;
 }
 

@@ -529,8 +529,7 @@ function next_path(run) {
 
 function next(r) {
   const n = r.next_experiment;
-  return r.next_sentence ? [element("h3", "What to measure next"), paragraph(r.next_sentence), n?.run ? figures(next_path(n.run)) : null,
-    n?.note && paragraph(n.note)] : [];
+  return r.next_sentence ? [element("h3", "What to measure next"), paragraph(r.next_sentence), n?.run ? figures(next_path(n.run)) : null] : [];
 }
 
 function explained(r) {
