@@ -163,18 +163,16 @@ $(CORE): $(call obj,$(CORE_SRC))
 	@mkdir -p $(@D) && rm -f $@
 	$(Q)$(AR) qcs $@ $^
 
-$(SHARED): $(call obj,$(LIB_SRC)) lib/palpate.map
+$(SHARED): $(call obj,$(LIB_SRC))
+$(SHARED): NEEDED = $(LIBS)
+$(SIM_SHARED): $(call obj,$(SIM_SRC))
+$(SIM_SHARED): NEEDED = $(SIM_LIBS)
+$(SHARED) $(SIM_SHARED): lib/palpate.map
 	$(call note,LD   $@)
-	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=lib/palpate.map \
-	    -Wl,-z,defs -o $@ $(filter %.o,$^) $(LIBS)
-	@ln -sf $(notdir $@) $(BUILD)/$(SONAME)
-	@ln -sf $(notdir $@) $(BUILD)/libpalpate.so
-$(SIM_SHARED): $(call obj,$(SIM_SRC)) lib/palpate.map
-	$(call note,LD   $@)
-	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -shared -Wl,-soname,$(SIM_SONAME) -Wl,--version-script=lib/palpate.map \
-	    -Wl,-z,defs -o $@ $(filter %.o,$^) $(SIM_LIBS)
-	@ln -sf $(notdir $@) $(BUILD)/$(SIM_SONAME)
-	@ln -sf $(notdir $@) $(BUILD)/libpalpate-sim.so
+	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -shared -Wl,-soname,$(notdir $(@:$(VERSION)=$(SOVERSION))) \
+	    -Wl,--version-script=lib/palpate.map -Wl,-z,defs -o $@ $(filter %.o,$^) $(NEEDED)
+	@ln -sf $(notdir $@) $(@:$(VERSION)=$(SOVERSION))
+	@ln -sf $(notdir $@) $(@:.$(VERSION)=)
 
 # Programs. A line "/* link: FLAGS */" in a program's source adds linker flags, e.g. -Wl,--wrap=malloc.
 own_flags = $(shell sed -n 's,^/\* link: \(.*\) \*/$$,\1,p' $*.c 2>/dev/null)

@@ -24,7 +24,6 @@
 #include <palpate/recording.h>
 #include <palpate/segments.h>
 #include <palpate/reduce.h>
-#include <palpate/sim.h>
 #include <palpate/solver.h>
 #include <palpate/specimen.h>
 #include <palpate/spectrum.h>

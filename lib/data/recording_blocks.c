@@ -100,19 +100,20 @@ palp_status recording_cut(const palp_recording *rec, double parts, const unsigne
     return PALP_OK;
 }
 
-/* The mean of a block's samples, and how many they are. */
-static void take_mean(const palp_recording *rec, const recording_block *block, double *time_s,
-                      double *depth_m, double *force_N) {
+/* Row i of the experiment: the mean of a block's samples, and how many they are. */
+static void take_mean(const palp_recording *rec, const recording_block *block, size_t i,
+                      double *const column[4]) {
     const size_t first = block->first;
     double t = 0.0, u = 0.0, f = 0.0, n = (double)(block->end - first);
-    for (size_t i = first; i < block->end; i++) {
-        t += rec->time_s[i] - rec->time_s[first];
-        u += rec->depth_m[i] - rec->depth_m[first];
-        f += rec->force_N[i];
+    for (size_t k = first; k < block->end; k++) {
+        t += rec->time_s[k] - rec->time_s[first];
+        u += rec->depth_m[k] - rec->depth_m[first];
+        f += rec->force_N[k];
     }
-    *time_s = rec->time_s[first] + t / n;
-    *depth_m = rec->depth_m[first] + u / n; /* in a dwell, of every block the same to the bit */
-    *force_N = f / n;
+    column[0][i] = rec->time_s[first] + t / n;
+    column[1][i] = 1e3 * (rec->depth_m[first] + u / n); /* in a dwell, of every block the same to the bit */
+    column[2][i] = f / n;
+    column[3][i] = block->counts ? n : 0.0;
 }
 
 palp_status palp_recording_blocks(const palp_recording *rec, double parts, palp_experiment **blocks) {
@@ -131,13 +132,12 @@ palp_status palp_recording_blocks(const palp_recording *rec, double parts, palp_
         status = palp_experiment_create(n, &e);
     if (!status)
         status = palp_experiment_add_column(e, "samples");
-    for (size_t i = 0; i < n && !status; i++) {
-        double *depth = &palp_experiment_column(e, "depth_mm")[i];
-        take_mean(rec, &block[i], &palp_experiment_column(e, "time_s")[i], depth,
-                  &palp_experiment_column(e, "force_N")[i]);
-        *depth *= 1e3;
-        palp_experiment_column(e, "samples")[i] =
-            block[i].counts ? (double)(block[i].end - block[i].first) : 0.0;
+    if (!status) {
+        double *const column[4] = {palp_experiment_column(e, "time_s"), palp_experiment_column(e, "depth_mm"),
+                                   palp_experiment_column(e, "force_N"),
+                                   palp_experiment_column(e, "samples")};
+        for (size_t i = 0; i < n; i++)
+            take_mean(rec, &block[i], i, column);
     }
     free(block);
     free(counts);

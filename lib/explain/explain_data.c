@@ -92,10 +92,11 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
 static palp_status mask_spikes(explain_data *data, size_t r) {
     explain_run *run = &data->run[r];
     palp_status status = explain_white_noise(run, run->force);
-    if (!status && !run->samples)
-        segments_mask_spikes(run->n, run->force, run->white, SPIKE_SIGMA, run->use);
+    if (status || run->samples) /* of means, samples are masked before */
+        return status;
+    segments_mask_spikes(run->n, run->force, run->white, SPIKE_SIGMA, run->use);
     for (size_t i = 1; i + 1 < run->n && !status; i++)
-        if (!run->use[i] && !run->samples)
+        if (!run->use[i])
             status = explain_event_add(
                 data,
                 &(palp_explain_event){.run = r,
@@ -211,11 +212,12 @@ static void find_span(explain_data *data) {
         data->run[r].session -= first;
 }
 
-static double count_samples(const explain_run *run) {
-    double sum = 0.0;
+/* The time of a run of means over the number of their samples. */
+static double mean_step(const explain_run *run) {
+    double count = 0.0;
     for (size_t i = 0; i < run->n; i++)
-        sum += run->samples ? run->samples[i] : 1.0;
-    return sum;
+        count += run->samples[i];
+    return (run->time[run->n - 1] - run->time[0]) / count;
 }
 
 /* The typical time between samples, the largest speed, how far the slowest run goes from one to the next. */
@@ -234,9 +236,7 @@ static palp_status find_pace(explain_data *data) {
             data->fastest = fmax(data->fastest, moved / step[i]);
         }
         data->stride = fmin(data->stride, stride);
-        data->step =
-            fmin(data->step, run->samples ? (run->time[run->n - 1] - run->time[0]) / count_samples(run)
-                                          : statistics_median(step, run->n - 1));
+        data->step = fmin(data->step, run->samples ? mean_step(run) : statistics_median(step, run->n - 1));
     }
     find_span(data);
     free(step);

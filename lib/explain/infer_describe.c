@@ -1,6 +1,7 @@
 /* infer_describe.c: the accepted effects: intervals, evidence, and what would do as well. */
 #include "infer_answer.h"
 #include "base/dense.h"
+#include "base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -107,11 +108,7 @@ static double hum_variance(const explain_run *run, const double own[2], double s
     const double size = own[0] * own[0] + own[1] * own[1], turn = 2.0 * acos(-1.0);
     const double variance =
         (own[0] * own[0] * sine + own[1] * own[1] * cosine + 2.0 * own[0] * own[1] * both) / size;
-    double mean = 0.0, square = 0.0;
-    for (size_t i = 0; i < run->n; i++)
-        mean += run->time[i] / (double)run->n;
-    for (size_t i = 0; i < run->n; i++)
-        square += (run->time[i] - mean) * (run->time[i] - mean) / (double)run->n;
+    const double square = statistics_line_fit(run->n, run->time, run->time, NULL).sxx / (double)run->n;
     *frequency = turn * turn * size * square / variance;
     return variance;
 }

@@ -198,8 +198,9 @@ palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *
 /* Log evidence that the expected precisions of the bends add: 0 where all are 1. */
 double infer_bends_evidence(const infer_fit *fit);
 
-/* Whether a specimen was pressed more than once. A gain of a run is that of its specimen otherwise. */
-bool infer_pressed_again(const explain_data *data);
+/* Whether runs have gains: where a specimen was pressed more than once. A gain is its specimen's otherwise.
+ */
+bool infer_has_gains(const explain_data *data);
 
 /* A first guess: scatters and discrepancies of a percent, or of the noise. */
 infer_sizes infer_sizes_first(const explain_data *data);

@@ -98,18 +98,18 @@ double infer_bends_evidence(const infer_fit *fit) {
     return sum;
 }
 
-bool infer_pressed_again(const explain_data *data) {
+bool infer_has_gains(const explain_data *data) {
     bool again = false;
     for (size_t r = 1; r < data->n_runs; r++)
         again = again || data->run[r].specimen == data->run[r - 1].specimen;
-    return again;
+    return again && !data->law_alone;
 }
 
 infer_sizes infer_sizes_first(const explain_data *data) {
     const double white = data->run[0].white, guess = fmax(white, 0.01 * data->peak);
-    infer_sizes sizes = {.own = {white, data->contacts_alike ? 0.0 : 0.01 * data->deepest,
-                                 infer_pressed_again(data) && !data->law_alone ? 0.01 : 0.0},
-                         .bend = 0.1};
+    infer_sizes sizes = {
+        .own = {white, data->contacts_alike ? 0.0 : 0.01 * data->deepest, infer_has_gains(data) ? 0.01 : 0.0},
+        .bend = 0.1};
     for (size_t a = 0; a < INFER_SPECIMEN; a++)
         sizes.specimen[a] = data->n_specimens > 1 ? 0.1 : 0.0;
     for (size_t d = 0; d < INFER_DOMAINS && !data->law_alone; d++)

@@ -151,9 +151,9 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
 void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data) {
     const double small = 3.0 * fit->noise.white / sqrt((double)explain_samples(data));
     const bool several = data->n_runs > 1;
-    const double own[INFER_GAIN + 1] = {
-        small, data->contacts_alike ? 0.0 : small / data->peak * data->deepest,
-        infer_pressed_again(data) && !data->law_alone ? small / data->peak : 0.0};
+    const double own[INFER_GAIN + 1] = {small,
+                                        data->contacts_alike ? 0.0 : small / data->peak * data->deepest,
+                                        infer_has_gains(data) ? small / data->peak : 0.0};
     for (size_t a = 0; a <= INFER_GAIN; a++)
         fit->sizes.own[a] = fmax(fit->sizes.own[a], own[a]);
     for (size_t a = 0; a < INFER_SPECIMEN && data->n_specimens > 1; a++)

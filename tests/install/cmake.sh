@@ -22,19 +22,14 @@ nm -D --defined-only "$lib/libpalpate-sim.so" | sed -n 's/.* T \(palp_[a-z0-9_]*
 [ -z "$(comm -23 "$work/declared" "$work/defined")" ] || fail "libpalpate-sim lacks: $(comm -23 "$work/declared" "$work/defined")"
 if ldd "$lib/libpalpate-sim.so" | grep -q nlopt; then fail "libpalpate-sim needs NLopt"; fi
 
-cat >"$work/network.json" <<'END'
-{"palpate": {"model": 1}, "kind": "network", "specimen": {"height_mm": 24, "radius_mm": 12},
- "stiffness": {"kind": "polynomial", "coefficients_N": [0.54, -2.34, 33.25, -124.03, 177.63]},
- "arms": [{"stiffness_N": 1, "viscosity_Ns": 1}],
- "mesh": {"kind": "lattice", "nodes": [3, 3, 3], "size_mm": [24, 24, 24]}, "formulation": "history"}
-END
-# build NAME CMAKE-ARGUMENTS...
+network=$PWD/data/sedef2008/network_27.json
+# build NAME: the project that stands in this folder's examples/cmake
 build() {
-    name=$1; shift
-    cmake -S examples/cmake -B "$work/$name" -DCMAKE_PREFIX_PATH="$work/moved" "$@" >"$work/log" 2>&1 &&
+    name=$1
+    cmake -S examples/cmake -B "$work/$name" -DCMAKE_PREFIX_PATH="$work/moved" >"$work/log" 2>&1 &&
         cmake --build "$work/$name" >>"$work/log" 2>&1 || fail "$name does not build: $(tail -n 20 "$work/log")"
-    "$work/$name/press" "$work/network.json" >"$work/pressed" || fail "$name: press failed"
-    "$work/$name/minimal" "$work/network.json" >"$work/minimal" || fail "$name: minimal failed"
+    "$work/$name/press" "$network" >"$work/pressed" || fail "$name: press failed"
+    "$work/$name/minimal" "$network" >"$work/minimal" || fail "$name: minimal failed"
     [ "$(wc -l <"$work/pressed") $(wc -l <"$work/minimal")" = "10 10" ] || fail "$name printed $(cat "$work/pressed" "$work/minimal")"
 }
 build shared

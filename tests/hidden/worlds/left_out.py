@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""left_out.py: how well palpate characterize predicts a run that it has not seen, where nothing is missing.
+    left_out.py DIR [OPTION...]      DIR: --out of run.sh; options of characterize, e.g. --likelihood
+Of each null the first and the middle run are left out in turn. What simulate --like misses them by, with the best zero and
+gain, is given in noise levels: one line a run, then the median and the largest. PALPATE is the command."""
+import glob
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+PALPATE = os.path.abspath(os.environ.get("PALPATE", os.path.join(HERE, "../../../build/palpate")))
+
+
+def forces(path):
+    lines = [line for line in open(path) if not line.startswith("#")]
+    at = [name.startswith("force_N") for name in lines[0].strip().split(",")].index(True)
+    return [float(line.split(",")[at]) for line in lines[1:]]
+
+
+def missed(measured, predicted):
+    """rms of measured - zero - gain predicted."""
+    line = statistics.linear_regression(predicted, measured)
+    return statistics.fmean((y - line.intercept - line.slope * x) ** 2 for x, y in zip(predicted, measured, strict=True)) ** 0.5
+
+
+def predict(runs, left, options, scratch):
+    model, out = os.path.join(scratch, "model.json"), os.path.join(scratch, "out.csv")
+    fit = subprocess.run([PALPATE, "characterize", *(r for r in runs if r != left), *options, "--out", model, "--force"],
+                         capture_output=True, text=True)
+    if fit.returncode in (0, 3):  # 3: not converged, but written
+        subprocess.run([PALPATE, "simulate", model, "--like", left, "--out", out, "--force"], capture_output=True, check=True)
+        return forces(out)
+    sys.exit(f"left_out.py: {left}: {fit.stderr.splitlines()[-1]}")
+
+
+def main(folder, options):
+    truth = json.load(open(os.path.join(folder, "truth.json")))
+    all_ = []
+    with tempfile.TemporaryDirectory() as scratch:
+        for case in truth["cases"] if isinstance(truth, dict) else truth:
+            if case["effect"] or case["outside"]:
+                continue
+            runs = sorted(glob.glob(os.path.join(folder, "cases", case["case"], "run_*.csv")))
+            for left in (runs[0], runs[len(runs) // 2]):
+                levels = missed(forces(left), predict(runs, left, case["characterize"].split() + options, scratch)) / case["noise_N"]
+                print(f"{case['case']}  {case['world']:14} {os.path.basename(left)}  {levels:.3g}", flush=True)
+                all_.append(levels)
+    print(f"{len(all_)} runs: median {statistics.median(all_):.3g}, largest {max(all_):.3g}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2:])
