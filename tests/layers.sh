@@ -17,7 +17,7 @@ material: base | law material closed_form indentation
 mesh: base | mesh
 data: base | experiment recording segments
 effect: wire solve material mesh data | effect
-model: effect | model
+model: effect | model region
 network: model | network vtu
 contact: network | tool
 cut: network | cut

@@ -48,6 +48,34 @@ def bricks(f, xs, ys, zs, linear=False):
     return number, cell
 
 
+def part(low, high, limits):
+    """Share of low to high between the two limits."""
+    return max(0.0, min(high, limits[1]) - max(low, limits[0])) / (high - low)
+
+
+def snapped(points, regions, axis):
+    """Grid lines, the nearest moved onto each face of a region."""
+    points = list(points)
+    for box, _ in regions:
+        for face in box[axis]:
+            if points[0] < face < points[-1]:
+                points[min(range(1, len(points) - 1), key=lambda i: abs(points[i] - face))] = face
+    return points
+
+
+def sections(f, xs, ys, zs, cell, regions, law):
+    """A material for each box ((x, x), (y, y), (z, z)), factor of the regions, the last that holds an element counting, and for the rest."""
+    sets = [[] for _ in range(len(regions) + 1)]
+    for (i, j, k), e in cell.items():
+        inside = [n for n, (box, _) in enumerate(regions) if all(part(p[c], p[c + 1], b) > 0.5 for p, c, b in zip((xs, ys, zs), (i, j, k), box))]
+        sets[inside[-1] + 1 if inside else 0].append(e)
+    for n, elements in enumerate(sets):
+        if elements:
+            f.write("*ELSET,ELSET=PART%d\n%s\n" % (n, ",\n".join(map(str, elements))))
+            f.write("*MATERIAL,NAME=SOLID%d\n%s\n" % (n, law(regions[n - 1][1] if n else 1)))
+            f.write("*SOLID SECTION,ELSET=PART%d,MATERIAL=SOLID%d\n" % (n, n))
+
+
 def solve(name, folder, limit):
     done = subprocess.run(["ccx", "-i", name], capture_output=True, text=True, env=dict(os.environ, OMP_NUM_THREADS="1"), cwd=folder,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit)))
@@ -80,12 +108,14 @@ def tip_mesh(f, radius, edge, node0, element0, m):
     f.write("*MATERIAL,NAME=STIFF\n*ELASTIC\n1000,0.3\n*SOLID SECTION,ELSET=RIGID,MATERIAL=STIFF\n*SURFACE,NAME=STIP,TYPE=ELEMENT\nRIGID,S1\n")
 
 
-def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800):
-    """[(depth, force)], or raises RuntimeError. nodes: of linear elements, alike, so many nodes a side; an odd number."""
+def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800, regions=()):
+    """[(depth, force)], or raises RuntimeError. nodes: of linear elements, alike, so many nodes a side; an odd number. regions: boxes with
+    x and z from the tip's axis, y from the floor, and the factor of their stiffness."""
     a = min(math.sqrt(radius * depth) * (1.25 if depth > 0.3 * radius else 1.1), 0.9 * radius)  # the contact, or a little more
     size, near = a / fine, min(1.2 * a, 0.4)
     xs = join(graded(0, near, size, size), graded(near, 0.5, size, 0.125))
     ys = [1 - y for y in reversed(graded(0, 1, 0.8 * size, 0.16))]
+    xs, ys = snapped(xs, regions, 0), snapped(ys, regions, 1)
     if nodes:
         xs, ys = [[i / (nodes - 1) for i in range(m)] for m in ((nodes + 1) // 2, nodes)]
         size, fine = xs[1], 12
@@ -97,7 +127,8 @@ def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800)
             nset(f, "FLOOR", [q for p, q in number.items() if p[1] == 0])
             nset(f, "XZERO", [q for p, q in number.items() if p[0] == 0])
             nset(f, "ZZERO", [q for p, q in number.items() if p[2] == 0])
-            f.write("*MATERIAL,NAME=SOLID\n*HYPERELASTIC,NEO HOOKE\n0.5,%.12g\n*SOLID SECTION,ELSET=BLOCK,MATERIAL=SOLID\n" % (3 * (1 - 2 * nu) / (1 + nu)))
+            sections(f, xs, ys, xs, cell, regions,
+                     lambda factor: "*HYPERELASTIC,NEO HOOKE\n%.12g,%.12g" % (0.5 * factor, 3 * (1 - 2 * nu) / (1 + nu) / factor))
             tip_mesh(f, radius, min(1.3 * a, 0.98 * radius), len(number), len(cell), int(5 * fine))
             f.write("*SURFACE,NAME=STOP,TYPE=ELEMENT\n")
             for (i, j, k), e in cell.items():
@@ -115,18 +146,18 @@ def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800)
         return curve
 
 
-def face(nu, fine=8, limit=600):
-    """(force pressed, force sheared, bulge at mid-face), each over the motion of the plate."""
+def face(nu, fine=8, limit=600, regions=()):
+    """(force pressed, force sheared, bulge at mid-face), each over the motion of the plate. regions: boxes from the cube's corner."""
     fine = 2 * (int(fine) // 2)  # a node at mid-face
     points = [i / fine for i in range(fine + 1)]
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(folder, "face")
         with open(name + ".inp", "w") as f:
-            number, _ = bricks(f, points, points, points)
+            number, cell = bricks(f, points, points, points)
             nset(f, "FLOOR", [q for p, q in number.items() if p[1] == 0])
             nset(f, "TOP", [q for p, q in number.items() if p[1] == 2 * fine])
             nset(f, "MIDDLE", [number[2 * fine, fine, fine]])
-            f.write("*MATERIAL,NAME=SOLID\n*ELASTIC\n%.12g,%.12g\n*SOLID SECTION,ELSET=BLOCK,MATERIAL=SOLID\n" % (2 * (1 + nu), nu))
+            sections(f, points, points, points, cell, regions, lambda factor: "*ELASTIC\n%.12g,%.12g" % (2 * (1 + nu) * factor, nu))
             for pressed, sheared in ((-1, 0), (0, 1)):
                 f.write("*STEP\n*STATIC\n*BOUNDARY,OP=NEW\nFLOOR,1,3\nTOP,1,1,%d\nTOP,2,2,%d\nTOP,3,3\n" % (sheared, pressed))
                 f.write("*NODE PRINT,NSET=TOP,TOTALS=ONLY\nRF\n*NODE PRINT,NSET=MIDDLE\nU\n*END STEP\n")

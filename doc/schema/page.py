@@ -55,8 +55,8 @@ def type_of(schema, file):
         return "`%s`" % schema["const"]
     types = schema.get("type", "any")
     words = " or ".join(types) if isinstance(types, list) else types
-    if types == "array" and "type" in schema["items"]:
-        words = "list of " + type_of(schema["items"], file)
+    if types == "array" and "type" in resolve(schema["items"], file)[0]:
+        words = "list of " + type_of(*resolve(schema["items"], file))
     return words
 
 

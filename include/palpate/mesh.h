@@ -107,6 +107,19 @@ PALP_API palp_status palp_mesh_add_plane_set(palp_mesh *mesh, const char *name, 
 /* The nodes of a set; *nodes is the mesh's. ERR_INPUT if there is no such set. */
 PALP_API palp_status palp_mesh_set(const palp_mesh *mesh, const char *name, size_t *n, const int32_t **nodes);
 
+/* Part of the tissue at x_m that belongs to a region, from 0 to 1; values beyond count as these. */
+typedef double palp_mesh_place(void *user, const double x_m[3]);
+
+/* Adds (or replaces) the region called name: the part of each tetrahedron in it is a mean over 216 places.
+ * ERR_ARGUMENT: no name; ERR_INPUT: no part of the mesh is in it; ERR_UNSUPPORTED: the mesh has no
+ * tetrahedra. A Gmsh file has a region for each named group of volumes. */
+PALP_API palp_status palp_mesh_add_region(palp_mesh *mesh, const char *name, palp_mesh_place *place,
+                                          void *user);
+
+/* The part of each tetrahedron that is in a region, [palp_mesh_tetrahedron_count]; *part is the mesh's.
+ * ERR_INPUT if there is no such region. */
+PALP_API palp_status palp_mesh_region(const palp_mesh *mesh, const char *name, const double **part);
+
 /* Places the mesh: x = rotation x + translation_m, rotation[9] by rows. ERR_ARGUMENT: a number that is not
  * finite, a matrix that is no rotation within 1e-9. */
 PALP_API palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9],

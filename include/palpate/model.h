@@ -5,6 +5,7 @@
 #include <palpate/effect.h>
 #include <palpate/material.h>
 #include <palpate/mesh.h>
+#include <palpate/region.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,8 +16,8 @@ typedef enum palp_mesh_kind { PALP_MESH_LATTICE, PALP_MESH_FILE } palp_mesh_kind
 
 enum { PALP_PATH_MAX = 4096, PALP_SPECIMEN_KIND_MAX = 32 };
 
-/* How the mesh of a network model is made. It takes 8 KB, so models point to it. A relative path is taken
- * from the folder of the model file. */
+/* How the mesh of a network model is made, and its regions. It takes 20 KB, so models point to it. A relative
+ * path is taken from the folder of the model file. */
 typedef struct palp_mesh_source {
     palp_mesh_kind kind;
     size_t nodes[3];                  /* lattice */
@@ -28,6 +29,8 @@ typedef struct palp_mesh_source {
     bool hex_diagonals;               /* file */
     palp_mesh_scaling scaling;        /* see palp_mesh_scale; default none */
     double area_m2;                   /* of the scaling; 0 = the mesh's volume over its height */
+    size_t n_regions;
+    palp_region regions[PALP_REGIONS_MAX];
 } palp_mesh_source;
 
 /* The largest relative error of the force of a smooth sphere in a network, wherever it stands over the nodes
@@ -103,7 +106,8 @@ PALP_API palp_status palp_model_write(const palp_model *model, const char *path,
  * given as it stands in the model. */
 PALP_API palp_status palp_model_format(const palp_model *model, char **json);
 
-/* The mesh of a network model, a lattice made or a file read; the caller owns it. ERR_ARGUMENT: a lumped
+/* The mesh of a network model with its regions, a lattice made or a file read; the caller owns it.
+ * ERR_ARGUMENT: a lumped
  * model, or one without its source; ERR_LIMIT: folder and path are too long together. */
 PALP_API palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_error *error);
 

@@ -6,6 +6,7 @@
 #include <palpate/mesh.h>
 #include <palpate/model.h>
 #include <palpate/path.h>
+#include <palpate/region.h>
 #include <palpate/solver.h>
 
 #ifdef __cplusplus
@@ -49,10 +50,16 @@ typedef struct palp_network_settings {
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
     double check_strain; /* the tangent's inertia is assessed at least at this interval of depth / height */
+    size_t n_regions;    /* at most PALP_REGIONS_MAX */
+    const palp_region *regions; /* [n_regions] regions of the mesh by name, copied; shapes are not read */
 } palp_network_settings;
 
 /* tolerance 1e-10, 50 iterations, CONTINUE, AUTO, massless, backward Euler, check every 5e-3. */
 PALP_API palp_network_settings palp_network_settings_default(void);
+
+/* The default with the density, volume modulus, Poisson's ratio and regions of a network model, whose source
+ * of the mesh must stay until a network is made of it. NULL: the default. */
+PALP_API palp_network_settings palp_network_settings_of_model(const palp_model *model);
 
 /* The thesis' supports: "bottom" fixed, "top" fixed in x and z and driven in -y. */
 PALP_API void palp_supports_default(palp_support supports[2]);
@@ -71,10 +78,10 @@ typedef struct palp_step_info {
 
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
  * mesh and the material. The caller owns *network. error may be NULL. ERR_ARGUMENT: a setting, a motion or
- * the material is out of range; ERR_INPUT: the mesh has no such node set; ERR_UNSUPPORTED: the supernodal
- * solver in a build without GPL=1, a volume modulus or Poisson's ratio where there are no cells or
- * tetrahedra, or edges or diagonals of them are no elements; ERR_LIMIT: too large for 32-bit indices;
- * ERR_NO_MEMORY. */
+ * the material is out of range; ERR_INPUT: the mesh has no such node set or region; ERR_UNSUPPORTED: the
+ * supernodal solver in a build without GPL=1, a region's material other than PALP_HISTORY, a volume modulus
+ * or Poisson's ratio where there are no cells or tetrahedra, or edges or diagonals of them are no elements;
+ * ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
 PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material,
                                          size_t n_supports, const palp_support *supports,
                                          const palp_network_settings *settings, palp_network **network,
@@ -83,8 +90,8 @@ PALP_API void palp_network_free(palp_network *network); /* NULL is fine */
 
 /* The network of a network model, ready to step; the caller owns it. mesh: NULL = the model's own, or that
  * one transformed (palp_mesh_transform). supports: NULL = palp_supports_default. settings: NULL = the
- * default; the density is the model's. Effects of the instrument are left out. ERR_UNSUPPORTED: an effect of
- * the material or the contact; palp_forward_network supports these. */
+ * default; what palp_network_settings_of_model takes is the model's. Effects of the instrument are left out.
+ * ERR_UNSUPPORTED: an effect of the material or the contact; palp_forward_network supports these. */
 PALP_API palp_status palp_network_from_model(const palp_model *model, const palp_mesh *mesh,
                                              size_t n_supports, const palp_support *supports,
                                              const palp_network_settings *settings, palp_network **network,
@@ -93,8 +100,8 @@ PALP_API palp_status palp_network_from_model(const palp_model *model, const palp
 /* Back to rest: undeformed, no history, time 0. */
 PALP_API void palp_network_reset(palp_network *network);
 
-/* Gives every element another material and resets the network. ERR_ARGUMENT: see palp_material_check;
- * ERR_NO_MEMORY: the network stays as it was. */
+/* Gives the network another material, regions with one of their own excepted, and resets it. ERR_ARGUMENT:
+ * see palp_material_check; ERR_NO_MEMORY: the network stays as it was. */
 PALP_API palp_status palp_network_set_material(palp_network *network, const palp_material *material);
 
 /* One step to depth_m after dt_s seconds (INFINITY = fully relaxed). try leaves the result as a

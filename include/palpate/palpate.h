@@ -22,8 +22,9 @@
 #include <palpate/random.h>
 #include <palpate/realtime.h>
 #include <palpate/recording.h>
-#include <palpate/segments.h>
 #include <palpate/reduce.h>
+#include <palpate/region.h>
+#include <palpate/segments.h>
 #include <palpate/solver.h>
 #include <palpate/specimen.h>
 #include <palpate/spectrum.h>

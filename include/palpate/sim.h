@@ -15,6 +15,7 @@
 #include <palpate/path.h>
 #include <palpate/random.h>
 #include <palpate/realtime.h>
+#include <palpate/region.h>
 #include <palpate/solver.h>
 #include <palpate/status.h>
 #include <palpate/tool.h>

@@ -39,6 +39,19 @@ typedef struct palp_tool_force {
     double depth_m;  /* largest depth of a point inside the tool */
 } palp_tool_force;
 
+/* One point in contact. The tissue is pushed there by normal_N times normal, and by friction_N. */
+typedef struct palp_contact {
+    size_t tool;       /* its index */
+    double place_m[3]; /* on the surface of the tissue */
+    double normal[3];  /* unit vector from the tool into the tissue */
+    double normal_N;   /* 0 or more */
+    double friction_N[3];
+    double depth_m; /* inside the tool */
+    bool slips;     /* friction is at its limit */
+    int32_t node;   /* the network's node that takes the largest part of the force */
+    int region;     /* index of the region that has most of the tissue around that node, or -1 */
+} palp_contact;
+
 typedef struct palp_contact_settings {
     double stiffness; /* of the penalty, relative to a surface node's stiffness by its elements at rest with
                          all arms; shared among its triangles; 20 */
@@ -77,6 +90,12 @@ PALP_API palp_status palp_network_set_tools(palp_network *network, size_t n, con
 /* Force on each tool at the last committed state, force[n of set_tools]; zeros before the first step of a
  * tool. ERR_ARGUMENT: not enabled. */
 PALP_API palp_status palp_network_tool_force(const palp_network *network, palp_tool_force *force);
+
+/* Points in contact at the last committed state, those of a tool together: the first room of them into
+ * contacts[room], their number into *n. Their forces add up to what palp_network_tool_force has, in a tick of
+ * palp_realtime_step but for its force_error_N. ERR_ARGUMENT: not enabled. */
+PALP_API palp_status palp_network_contacts(const palp_network *network, size_t room, palp_contact *contacts,
+                                           size_t *n);
 
 /* Grasps: a stiff spring ties each of these nodes to target_m[3 n] from the next step on. A node already
  * grasped gets a new target. Drops a trial step. ERR_LIMIT: more than max_grasped, nothing done;

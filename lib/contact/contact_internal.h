@@ -82,6 +82,8 @@ typedef struct contact_touch {
     double stretch[3];
     contact_doubt doubt;
     double elastic, arm[PALP_ARMS_MAX]; /* N, of a contact that relaxes: its arms have these parts of it */
+    palp_contact seen;                  /* without node and region */
+    double share[3];                    /* of its force, that the corners take */
 } contact_touch;
 
 /* How local compliance relaxes in a step, as the tissue's arms do: the pressure is share times the elastic

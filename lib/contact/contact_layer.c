@@ -18,7 +18,9 @@ static double *local_stiffness(arena *memory, const palp_network *net, const ski
         along3(net->rest + 3 * t[2], -1.0, net->rest + 3 * t[0], second);
         cross3(first, second, normal);
         const double edge = pow(dot3(normal, normal), 0.25); /* of the square that is twice the triangle */
-        local[s->triangle[i]] += modulus * edge / (6.0 * (double)parts);
+        const double stiffer =
+            net->stiffer ? (net->stiffer[t[0]] + net->stiffer[t[1]] + net->stiffer[t[2]]) / 3.0 : 1.0;
+        local[s->triangle[i]] += stiffer * modulus * edge / (6.0 * (double)parts);
         sum += edge;
     }
     *spacing = sum / (3.0 * (double)s->n_triangles);

@@ -244,6 +244,14 @@ void contact_set_finish(contact_set *set, const double *x) {
         t->part = c->part;
         memcpy(t->node, c->node, sizeof t->node);
         memcpy(t->stretch, c->stretch, sizeof t->stretch);
+        memcpy(t->share, c->share, sizeof t->share);
+        t->seen = (palp_contact){.tool = (size_t)c->tool,
+                                 .normal_N = contact_normal_force(c),
+                                 .depth_m = c->depth - c->early,
+                                 .slips = set->pose[c->tool].friction > 0.0 && c->kept < 1.0};
+        memcpy(t->seen.place_m, c->point, sizeof c->point);
+        memcpy(t->seen.normal, c->normal, sizeof c->normal);
+        memcpy(t->seen.friction_N, c->friction, sizeof c->friction);
         remember_arms(set, c, t);
     }
 }

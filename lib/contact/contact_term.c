@@ -429,3 +429,37 @@ palp_status palp_network_tool_force(const palp_network *net, palp_tool_force *fo
         force[i] = i < set->now.n_tools ? set->now.felt[i] : (palp_tool_force){.contacts = 0};
     return PALP_OK;
 }
+
+/* The node of the network that takes most of a contact's force. */
+static int32_t main_node_of_touch(const contact_term *t, const contact_touch *touch) {
+    int32_t best = touch->node[0];
+    double most = -1.0;
+    for (int j = 0; j < 3 && touch->node[j] >= 0; j++) {
+        const contact corner = {.node = {touch->node[j]}};
+        const int32_t *node;
+        const double *weight;
+        const size_t n = nodes_of_contact_corner(t, &corner, 0, &node, &weight);
+        for (size_t i = 0; i < n; i++)
+            if (weight[i] * touch->share[j] > most) {
+                most = weight[i] * touch->share[j];
+                best = node[i];
+            }
+    }
+    return best;
+}
+
+palp_status palp_network_contacts(const palp_network *net, size_t room, palp_contact *contacts, size_t *n) {
+    if (!net || !n || (room > 0 && !contacts))
+        return PALP_ERR_ARGUMENT;
+    const contact_term *t = (const contact_term *)network_find_term(net, &CONTACT);
+    if (!t)
+        return PALP_ERR_ARGUMENT;
+    *n = t->set.now.n_touches;
+    for (size_t i = 0; i < *n && i < room; i++) {
+        const contact_touch *touch = &t->set.now.touch[i];
+        contacts[i] = touch->seen;
+        contacts[i].node = main_node_of_touch(t, touch);
+        contacts[i].region = net->region_of_node ? net->region_of_node[contacts[i].node] : -1;
+    }
+    return PALP_OK;
+}

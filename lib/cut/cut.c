@@ -88,13 +88,12 @@ static void pass_cut_state(network_term *term, palp_network *net, network_cursor
 /* Makes all elements whole again, for the present material. */
 static void reset_cut_stiffness(network_term *term, palp_network *net) {
     network_cut *cut = (network_cut *)term;
-    double stiffness;
-    palp_law_stiffness(&net->material.law, SMALL_STRAIN, &stiffness, NULL);
-    for (size_t j = 0; j < net->material.n_arms; j++)
-        stiffness += net->material.arms[j].stiffness_N;
+    double stiffness[PALP_REGIONS_MAX + 1];
+    network_stiffnesses(net, SMALL_STRAIN, true, stiffness);
     memset(cut->stiffness, 0, net->n_nodes * sizeof *cut->stiffness);
     for (size_t i = 0; i < 2 * net->n_elements; i++)
-        cut->stiffness[net->pair[i]] += stiffness * cut->whole[i / 2] * net->inverse_rest[i / 2];
+        cut->stiffness[net->pair[i]] +=
+            network_mean_of_materials(net, i / 2, stiffness) * cut->whole[i / 2] * net->inverse_rest[i / 2];
     restore_all_elements(net, cut);
     apply_marked_cuts(net, cut);
 }

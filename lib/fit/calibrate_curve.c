@@ -23,6 +23,8 @@ static bool grow(double **array, size_t n) {
 
 static palp_status reserve(force_curve *c, const palp_network *net, size_t n) {
     c->n_parameters = net->material.law.n;
+    if (net->base_share && network_has_volume(net)) /* part of it does not follow the law */
+        return PALP_ERR_UNSUPPORTED;
     if (!c->weight && !grow(&c->weight, net->n_elements))
         return PALP_ERR_NO_MEMORY;
     if (n <= c->capacity)

@@ -29,6 +29,7 @@ void palp_mesh_free(palp_mesh *mesh) {
         return;
     arena_free(&mesh->memory);
     free(mesh->sets);
+    free(mesh->regions);
     free(mesh->pairs);
     free(mesh);
 }
@@ -56,7 +57,9 @@ palp_status mesh_copy(const palp_mesh *mesh, palp_mesh **copy) {
     m->order = copy_into_mesh_memory(m, m->n_elements, sizeof *m->order, mesh->order);
     for (size_t i = 0; i < mesh->n_sets && !m->memory.failed; i++)
         palp_mesh_add_set(m, mesh->sets[i].name, mesh->sets[i].n, mesh->sets[i].nodes);
-    if (m->memory.failed || m->n_sets < mesh->n_sets) {
+    for (size_t i = 0; i < mesh->n_regions && !m->memory.failed; i++)
+        mesh_take_region(m, mesh->regions[i].name, mesh->regions[i].part);
+    if (m->memory.failed || m->n_sets < mesh->n_sets || m->n_regions < mesh->n_regions) {
         palp_mesh_free(m);
         return PALP_ERR_NO_MEMORY;
     }
@@ -373,4 +376,41 @@ size_t palp_mesh_element_between(const palp_mesh *mesh, int32_t a, int32_t b) {
         element_pair_in_order(mesh, first)[1] != high)
         return mesh->n_elements;
     return mesh->order ? mesh->order[first] : first;
+}
+
+bool mesh_is_all_hexahedra(const palp_mesh *mesh) {
+    return mesh->n_hexahedra > 0 && mesh->n_tetrahedra == 6 * mesh->n_hexahedra;
+}
+
+static mesh_region *find_region(const palp_mesh *mesh, const char *name) {
+    for (size_t i = 0; i < mesh->n_regions; i++)
+        if (strcmp(mesh->regions[i].name, name) == 0)
+            return &mesh->regions[i];
+    return NULL;
+}
+
+palp_status mesh_take_region(palp_mesh *mesh, const char *name, const double *part) {
+    const size_t length = strlen(name) + 1;
+    mesh_region made = {arena_take(&mesh->memory, length, 1),
+                        arena_take(&mesh->memory, mesh->n_tetrahedra, sizeof *part)};
+    mesh_region *old = find_region(mesh, name);
+    mesh_region *regions =
+        old ? mesh->regions : realloc(mesh->regions, (mesh->n_regions + 1) * sizeof *regions);
+    mesh->regions = regions ? regions : mesh->regions;
+    if (!made.name || !made.part || !regions)
+        return PALP_ERR_NO_MEMORY;
+    memcpy(made.name, name, length);
+    memcpy(made.part, part, mesh->n_tetrahedra * sizeof *part);
+    *(old ? old : &regions[mesh->n_regions++]) = made;
+    return PALP_OK;
+}
+
+palp_status palp_mesh_region(const palp_mesh *mesh, const char *name, const double **part) {
+    if (!mesh || !name || !part)
+        return PALP_ERR_ARGUMENT;
+    const mesh_region *r = find_region(mesh, name);
+    if (!r)
+        return PALP_ERR_INPUT;
+    *part = r->part;
+    return PALP_OK;
 }

@@ -213,6 +213,33 @@ static palp_status add_all_node_sets(const gmsh_file *r, palp_mesh *mesh) {
     return status ? gmsh_no_memory(r) : PALP_OK;
 }
 
+/* A region for each group of volumes. A group has all volumes of its blocks, in any order. */
+static palp_status add_regions_of_groups(const gmsh_file *r, palp_mesh *mesh) {
+    const gmsh_volume *volumes = r->volumes.items;
+    const gmsh_cell *cells = r->cells.items;
+    size_t *first = malloc(r->cells.n * sizeof *first), at = 0;
+    double *part = malloc(mesh->n_tetrahedra * sizeof *part);
+    palp_status status = first && part ? PALP_OK : gmsh_no_memory(r);
+    for (size_t c = 0; c < r->cells.n && !status; c++) {
+        first[c] = at;
+        at += cells[c].n == 4 ? 1 : 6;
+    }
+    for (size_t g = 0; g < r->groups.n && !status; g++) {
+        bool any = false;
+        memset(part, 0, mesh->n_tetrahedra * sizeof *part);
+        for (size_t v = 0; v < r->volumes.n; v++)
+            for (size_t t = 0; volumes[v].group == g && t < (cells[volumes[v].cell].n == 4 ? 1 : 6); t++) {
+                part[first[volumes[v].cell] + t] = 1.0;
+                any = true;
+            }
+        if (any && mesh_take_region(mesh, ((gmsh_group *)r->groups.items)[g].name, part))
+            status = gmsh_no_memory(r);
+    }
+    free(first);
+    free(part);
+    return status;
+}
+
 static palp_status build_mesh_from_gmsh(gmsh_file *r, bool diagonals, palp_mesh **mesh) {
     palp_mesh *m = NULL;
     if (r->cells.n == 0)
@@ -231,6 +258,8 @@ static palp_status build_mesh_from_gmsh(gmsh_file *r, bool diagonals, palp_mesh 
         status = copy_cells_as_tetrahedra(r, m);
     if (!status)
         status = add_all_node_sets(r, m);
+    if (!status)
+        status = add_regions_of_groups(r, m);
     if (status)
         palp_mesh_free(m);
     else

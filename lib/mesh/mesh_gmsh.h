@@ -35,6 +35,10 @@ typedef struct gmsh_member { /* a node in a group */
     int32_t node;            /* in nodes */
 } gmsh_member;
 
+typedef struct gmsh_volume { /* a cell in a group of volumes */
+    size_t group, cell;      /* in groups, in cells */
+} gmsh_volume;
+
 /* A growing array of any type; room and n count items. */
 typedef struct gmsh_list {
     void *items;
@@ -51,8 +55,8 @@ typedef struct gmsh_file {
     char section[GMSH_SECTION_TEXT]; /* name with its dollar sign */
     unsigned seen;                   /* bit i: section i of the table */
     size_t elements_line;
-    gmsh_list groups, entities, nodes, cells, members; /* of the types above */
-    gmsh_list block_groups;                            /* size_t: groups of the present block */
+    gmsh_list groups, entities, nodes, cells, members, volumes; /* of the types above */
+    gmsh_list block_groups;                                     /* size_t: groups of the present block */
 } gmsh_file;
 
 /* ERR_INPUT with "path:line: " and the formatted text. */

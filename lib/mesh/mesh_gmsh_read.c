@@ -257,7 +257,7 @@ static palp_status check_repeated_nodes(const gmsh_file *r, int n, const int32_t
     return PALP_OK;
 }
 
-/* Keeps an element: a cell as such, and its nodes as members of the block's groups. */
+/* Keeps an element: a cell as such and as one of the block's groups, its nodes as members of these. */
 static palp_status store_element_and_members(gmsh_file *r, bool is_cell, int n, const int32_t *place) {
     void *item = NULL;
     palp_status status = PALP_OK;
@@ -267,6 +267,11 @@ static palp_status store_element_and_members(gmsh_file *r, bool is_cell, int n, 
         gmsh_cell *cell = item;
         *cell = (gmsh_cell){{0}, n, r->line};
         memcpy(cell->node, place, (size_t)n * sizeof *place);
+    }
+    for (size_t g = 0; g < r->block_groups.n && is_cell && !status; g++) {
+        status = gmsh_append(r, &r->volumes, sizeof(gmsh_volume), &item);
+        if (!status)
+            *(gmsh_volume *)item = (gmsh_volume){((size_t *)r->block_groups.items)[g], r->cells.n - 1};
     }
     for (size_t g = 0; g < r->block_groups.n; g++)
         for (int i = 0; i < n && !status; i++) {
@@ -413,5 +418,6 @@ void gmsh_release(gmsh_file *r) {
     free(r->nodes.items);
     free(r->cells.items);
     free(r->members.items);
+    free(r->volumes.items);
     free(r->block_groups.items);
 }

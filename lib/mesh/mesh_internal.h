@@ -12,8 +12,14 @@ typedef struct node_set {
     int32_t *nodes; /* [n], ascending, each once */
 } node_set;
 
+/* Volumes with a name. */
+typedef struct mesh_region {
+    char *name;
+    double *part; /* [n_tetrahedra] of each that belongs to it, 0 to 1 */
+} mesh_region;
+
 struct palp_mesh {
-    arena memory; /* of all arrays but pairs and sets, whose sizes may change */
+    arena memory; /* of all arrays but pairs, sets and regions, whose sizes may change */
     size_t n_nodes;
     size_t n_elements;
     double *x_m;    /* [3 n_nodes] */
@@ -24,8 +30,9 @@ struct palp_mesh {
     int32_t *hexahedra; /* [8 n_hexahedra] in Gmsh's order, or NULL; each is six tetrahedra too, to whose
                            parts its symmetry does not keep */
     double *scale;      /* [n_elements] factor of each element's force, or NULL = all 1 */
-    size_t n_sets;
-    node_set *sets; /* [n_sets] */
+    size_t n_sets, n_regions;
+    node_set *sets;       /* [n_sets] */
+    mesh_region *regions; /* [n_regions] */
 };
 
 /* A mesh with arrays of this size, not initialised, and no sets. */
@@ -81,6 +88,28 @@ palp_status mesh_part_away(const palp_mesh *mesh, size_t *parts, size_t *away);
 
 /* Unit vector along the element between two nodes; returns its length. */
 double mesh_direction(const palp_mesh *mesh, const int32_t pair[2], double n[3]);
+
+/* Nodes opposite face f of tetrahedron i and of its neighbour there (mesh_neighbours); false where there is
+ * no neighbour, at a face that was seen from the other side, or where they are too close for an element. */
+bool mesh_nodes_across_face(const palp_mesh *mesh, const int32_t *neighbour, size_t i, size_t f,
+                            int32_t pair[2]);
+
+/* Adds (or replaces) a region of which each tetrahedron has this part. */
+palp_status mesh_take_region(palp_mesh *mesh, const char *name, const double *part);
+
+/* Does the mesh consist of hexahedra alone? Their six tetrahedra follow those of the one before. */
+bool mesh_is_all_hexahedra(const palp_mesh *mesh);
+
+/* The solids of a mesh: its hexahedra where these are all, otherwise its tetrahedra. */
+size_t mesh_solids(const palp_mesh *mesh, size_t *corners, const int32_t **nodes);
+
+/* The part of each solid in a region, and its volume, m^3, from those of its tetrahedra. volume may be NULL.
+ */
+void mesh_parts_of_solids(const palp_mesh *mesh, const double *part, double *of_solid, double *volume);
+
+/* Mean by volume over the solids that have both nodes of an element, or are beside the face that it crosses,
+ * into of_element[n_elements]; 0 where there is none. */
+palp_status mesh_mean_around_elements(const palp_mesh *mesh, const double *of_solid, double *of_element);
 
 /* Does the mesh consist of hexahedra alone, with elements along all their edges and diagonals? */
 bool mesh_has_cells(const palp_mesh *mesh);

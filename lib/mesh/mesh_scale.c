@@ -62,10 +62,8 @@ static int32_t corner_of_other_tetrahedron(const int32_t a[4], const int32_t b[4
     return b[0];
 }
 
-/* Nodes opposite face f of tetrahedron i and of its neighbour there; false where there is no neighbour, at a
- * face that was seen from the other side, or where they are too close. */
-static bool nodes_across_shared_face(const palp_mesh *mesh, const int32_t *neighbour, size_t i, size_t f,
-                                     int32_t pair[2]) {
+bool mesh_nodes_across_face(const palp_mesh *mesh, const int32_t *neighbour, size_t i, size_t f,
+                            int32_t pair[2]) {
     const int32_t *t = mesh->tetrahedra + 4 * i;
     int32_t beyond = neighbour[4 * i + f], face[3];
     double n[3], longest = 0.0;
@@ -87,7 +85,7 @@ static palp_status add_pairs_across_faces(palp_mesh *mesh, const int32_t *neighb
         return PALP_ERR_NO_MEMORY;
     memcpy(pairs, mesh->pairs, 2 * n * sizeof *pairs);
     for (size_t i = 0; i < 4 * mesh->n_tetrahedra; i++)
-        n += nodes_across_shared_face(mesh, neighbour, i / 4, i % 4, pairs + 2 * n);
+        n += mesh_nodes_across_face(mesh, neighbour, i / 4, i % 4, pairs + 2 * n);
     free(mesh->pairs);
     mesh->pairs = pairs;
     mesh->order = NULL;
@@ -118,7 +116,7 @@ static void gather_volumes(const palp_mesh *mesh, const int32_t *neighbour, doub
         for (size_t k = 0; k < 6; k++)
             around[palp_mesh_element_between(mesh, t[edge[k][0]], t[edge[k][1]])] += volume;
         for (size_t f = 0; f < 4 && neighbour; f++)
-            if (nodes_across_shared_face(mesh, neighbour, i, f, pair))
+            if (mesh_nodes_across_face(mesh, neighbour, i, f, pair))
                 around[palp_mesh_element_between(mesh, pair[0], pair[1])] +=
                     volume + tetrahedron_volume_and_areas(
                                  mesh, mesh->tetrahedra + 4 * (size_t)neighbour[4 * i + f], area);

@@ -172,7 +172,7 @@ palp_status mesh_scale_cells(palp_mesh *mesh, double area_m2, palp_error *error)
 }
 
 bool mesh_has_cells(const palp_mesh *mesh) {
-    if (mesh->n_hexahedra == 0 || mesh->n_tetrahedra != 6 * mesh->n_hexahedra)
+    if (!mesh_is_all_hexahedra(mesh))
         return false;
     for (size_t i = 0; i < mesh->n_hexahedra; i++)
         for (int a = 0; a < CORNERS; a++)

@@ -63,7 +63,11 @@ palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_erro
         status = status ? palp_error_set(error, status, "the path of the mesh is too long")
                         : palp_mesh_read_gmsh(path, source->scale_m, source->hex_diagonals, mesh, error);
     }
-    if (!status && palp_mesh_scale(*mesh, source->scaling, source->area_m2, &why)) {
+    if (!status)
+        palp_mesh_scale(*mesh, source->scaling, source->area_m2, &why);
+    for (size_t r = 0; r < source->n_regions && !status && !why.status; r++)
+        palp_region_place_in(*mesh, &source->regions[r], &why);
+    if (!status && why.status) {
         palp_mesh_free(*mesh);
         *mesh = NULL;
         status = palp_error_set(error, why.status, "%s: %s", path, why.text);

@@ -12,9 +12,6 @@
 /* The lowest K in that range, N. */
 double palp_model_lowest(const palp_law *law);
 
-/* "stiffness" of a model whose specimen is known. */
-palp_status palp_model_stiffness_read(const palp_json *root, palp_model *model);
-
 /* Names of the scalings of a mesh. */
 extern const char *const palp_model_scalings[PALP_SCALING_CONTINUUM + 1];
 
@@ -49,6 +46,16 @@ palp_status palp_model_between_read(const palp_json *root, const palp_material *
 /* "validity" of a network, absent = none; and may it be written? */
 palp_status palp_model_validity_read(const palp_json *root, palp_model *model);
 bool palp_model_validity_valid(const palp_model *model);
+
+/* "regions" of a network whose material is known, absent = none; and may they be written? */
+palp_status palp_model_regions_read(const palp_json *root, const palp_model *model, palp_mesh_source *source);
+bool palp_model_regions_valid(const palp_model *model);
+
+/* Law, arms, dashpot and quasi_linear; the model's radius is known. */
+palp_status palp_model_material_read(const palp_json *root, palp_model *model);
+
+/* A Poisson's ratio, which does not go with a volume modulus. */
+palp_status palp_model_ratio_read(const palp_json *value, double volume_modulus_Pa, double *ratio);
 
 /* palp_model_read for the parsed value of a file. */
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *mesh);

@@ -26,8 +26,9 @@ static palp_status read_model_version(const palp_json *root) {
     palp_status status = palp_json_keys(&palpate, COUNT(keys), keys);
     if (!status)
         status = palp_json_require(&palpate, "model", &model);
-    if (!status && !(json_is_integer(model.value) && json_integer_value(model.value) == 1))
-        status = palp_json_fail(&model, PALP_ERR_INPUT, "is not 1, the version that this build reads");
+    if (!status && !(json_is_integer(model.value) &&
+                     (json_integer_value(model.value) == 1 || json_integer_value(model.value) == 2)))
+        status = palp_json_fail(&model, PALP_ERR_INPUT, "is not 1 or 2, the versions that this build reads");
     return status;
 }
 
@@ -76,39 +77,6 @@ static palp_status read_specimen_size(const palp_json *root, palp_model *model) 
     return status;
 }
 
-static palp_status read_maxwell_arm(const palp_json *at, palp_arm *arm) {
-    static const char *const keys[] = {"stiffness_N", "viscosity_Ns", "stiffness_per_strain",
-                                       "time_per_strain"};
-    palp_json value;
-    palp_status status = palp_json_keys(at, COUNT(keys), keys);
-    if (!status)
-        status = palp_json_require(at, "stiffness_N", &value);
-    if (!status)
-        status = palp_json_positive(&value, &arm->stiffness_N);
-    if (!status)
-        status = palp_json_require(at, "viscosity_Ns", &value);
-    if (!status)
-        status = palp_json_positive(&value, &arm->viscosity_Ns);
-    if (!status && palp_json_member(at, "stiffness_per_strain", &value))
-        status = palp_json_number(&value, &arm->beta);
-    if (!status && palp_json_member(at, "time_per_strain", &value))
-        status = palp_json_number(&value, &arm->gamma);
-    return status;
-}
-
-static palp_status read_maxwell_arms(const palp_json *root, palp_material *material) {
-    palp_json arms, arm;
-    if (!palp_json_member(root, "arms", &arms))
-        return PALP_OK;
-    palp_status status = palp_json_list(&arms, PALP_ARMS_MAX, &material->n_arms);
-    for (size_t j = 0; !status && j < material->n_arms; j++) {
-        status = palp_json_item(&arms, j, &arm);
-        if (!status)
-            status = read_maxwell_arm(&arm, &material->arms[j]);
-    }
-    return status;
-}
-
 static palp_status read_formulation_name(const palp_json *root, palp_material *material) {
     palp_json formulation;
     const char *name = "";
@@ -129,13 +97,7 @@ static palp_status read_element_material(const palp_json *root, palp_model *mode
     palp_json value;
     palp_error wrong = {PALP_OK, ""};
     palp_material *material = &model->material;
-    palp_status status = palp_model_stiffness_read(root, model);
-    if (!status)
-        status = read_maxwell_arms(root, material);
-    if (!status && palp_json_member(root, "dashpot_Ns", &value))
-        status = palp_json_not_negative(&value, &material->dashpot_Ns);
-    if (!status && palp_json_member(root, "quasi_linear", &value))
-        status = palp_json_bool(&value, &material->quasi_linear);
+    palp_status status = palp_model_material_read(root, model);
     if (!status)
         status = read_formulation_name(root, material);
     if (!status)
@@ -277,15 +239,6 @@ static palp_status read_mesh_source(const palp_json *root, palp_mesh_source *sou
     return palp_json_fail(&kind, PALP_ERR_INPUT, "must be \"lattice\" or \"file\", not \"%s\"", name);
 }
 
-static palp_status read_poisson_ratio(const palp_json *value, palp_model *model) {
-    palp_status status = palp_json_positive(value, &model->poisson_ratio);
-    if (!status && !(model->poisson_ratio >= 0.25 && model->poisson_ratio < 0.5))
-        return palp_json_fail(value, PALP_ERR_INPUT, "must be from 0.25 to below 0.5");
-    if (!status && model->volume_modulus_Pa > 0)
-        return palp_json_fail(value, PALP_ERR_INPUT, "does not go with volume_modulus_Pa");
-    return status;
-}
-
 static palp_status read_network_members(const palp_json *root, palp_model *model, palp_mesh_source *source) {
     palp_json density, volume, poisson;
     palp_status status = read_mesh_source(root, source);
@@ -295,7 +248,9 @@ static palp_status read_network_members(const palp_json *root, palp_model *model
     if (!status && palp_json_member(root, "volume_modulus_Pa", &volume))
         status = palp_json_positive(&volume, &model->volume_modulus_Pa);
     if (!status && palp_json_member(root, "poisson_ratio", &poisson))
-        status = read_poisson_ratio(&poisson, model);
+        status = palp_model_ratio_read(&poisson, model->volume_modulus_Pa, &model->poisson_ratio);
+    if (!status)
+        status = palp_model_regions_read(root, model, source);
     if (!status)
         status = palp_model_validity_read(root, model);
     if (!status && model->height_m == 0 && source->kind == PALP_MESH_LATTICE)
@@ -304,11 +259,11 @@ static palp_status read_network_members(const palp_json *root, palp_model *model
 }
 
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
-    /* the last four only in a network */
+    /* the last six only in a network */
     static const char *const keys[] = {
         "palpate",      "kind",          "specimen",          "stiffness",     "arms",       "dashpot_Ns",
         "quasi_linear", "formulation",   "effects",           "fractional",    "covariance", "specimens",
-        "mesh",         "density_kg_m3", "volume_modulus_Pa", "poisson_ratio", "validity"};
+        "mesh",         "density_kg_m3", "volume_modulus_Pa", "poisson_ratio", "validity",   "regions"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;
@@ -321,7 +276,7 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     if (!status && !network && palp_json_member(root, "mesh", &mesh))
         status = palp_json_fail(&mesh, PALP_ERR_INPUT, "is only for models of kind \"network\"");
     if (!status)
-        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 5, keys);
+        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 6, keys);
     if (!status)
         status = read_specimen_size(root, model);
     if (!status)

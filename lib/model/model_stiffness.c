@@ -1,4 +1,4 @@
-/* model_stiffness.c: the law in a model JSON. */
+/* model_stiffness.c: law, arms and Poisson's ratio in a model JSON. */
 #include "base/json.h"
 #include "model_internal.h"
 
@@ -101,7 +101,7 @@ static palp_status read_law_strain_limit(const palp_json *stiffness, palp_law *l
     return status;
 }
 
-palp_status palp_model_stiffness_read(const palp_json *root, palp_model *model) {
+static palp_status read_stiffness(const palp_json *root, palp_model *model) {
     palp_json stiffness;
     palp_status status = palp_json_require(root, "stiffness", &stiffness);
     if (!status)
@@ -116,4 +116,59 @@ palp_status palp_model_stiffness_read(const palp_json *root, palp_model *model) 
                               "falls to %.6g N between strain 0 and %g, but must stay above 0", lowest_N,
                               fmax(PALP_MODEL_STRAIN, model->material.law.strain_max));
     return PALP_OK;
+}
+
+static palp_status read_maxwell_arm(const palp_json *at, palp_arm *arm) {
+    static const char *const keys[] = {"stiffness_N", "viscosity_Ns", "stiffness_per_strain",
+                                       "time_per_strain"};
+    palp_json value;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = palp_json_require(at, "stiffness_N", &value);
+    if (!status)
+        status = palp_json_positive(&value, &arm->stiffness_N);
+    if (!status)
+        status = palp_json_require(at, "viscosity_Ns", &value);
+    if (!status)
+        status = palp_json_positive(&value, &arm->viscosity_Ns);
+    if (!status && palp_json_member(at, "stiffness_per_strain", &value))
+        status = palp_json_number(&value, &arm->beta);
+    if (!status && palp_json_member(at, "time_per_strain", &value))
+        status = palp_json_number(&value, &arm->gamma);
+    return status;
+}
+
+static palp_status read_maxwell_arms(const palp_json *root, palp_material *material) {
+    palp_json arms, arm;
+    if (!palp_json_member(root, "arms", &arms))
+        return PALP_OK;
+    palp_status status = palp_json_list(&arms, PALP_ARMS_MAX, &material->n_arms);
+    for (size_t j = 0; !status && j < material->n_arms; j++) {
+        status = palp_json_item(&arms, j, &arm);
+        if (!status)
+            status = read_maxwell_arm(&arm, &material->arms[j]);
+    }
+    return status;
+}
+
+palp_status palp_model_material_read(const palp_json *root, palp_model *model) {
+    palp_json value;
+    palp_material *material = &model->material;
+    palp_status status = read_stiffness(root, model);
+    if (!status)
+        status = read_maxwell_arms(root, material);
+    if (!status && palp_json_member(root, "dashpot_Ns", &value))
+        status = palp_json_not_negative(&value, &material->dashpot_Ns);
+    if (!status && palp_json_member(root, "quasi_linear", &value))
+        status = palp_json_bool(&value, &material->quasi_linear);
+    return status;
+}
+
+palp_status palp_model_ratio_read(const palp_json *value, double volume_modulus_Pa, double *ratio) {
+    palp_status status = palp_json_positive(value, ratio);
+    if (!status && !(*ratio >= 0.25 && *ratio < 0.5))
+        return palp_json_fail(value, PALP_ERR_INPUT, "must be from 0.25 to below 0.5");
+    if (!status && volume_modulus_Pa > 0)
+        return palp_json_fail(value, PALP_ERR_INPUT, "does not go with volume_modulus_Pa");
+    return status;
 }

@@ -50,7 +50,7 @@ static bool is_specimen_shape_valid(const palp_model *model) {
     if (model->poisson_ratio != 0 &&
         !(model->poisson_ratio >= 0.25 && model->poisson_ratio < 0.5 && model->volume_modulus_Pa == 0))
         return false;
-    if (!palp_model_validity_valid(model))
+    if (!palp_model_validity_valid(model) || !palp_model_regions_valid(model))
         return false;
     if ((unsigned)mesh->scaling > PALP_SCALING_CONTINUUM || !(mesh->area_m2 >= 0) || !isfinite(mesh->area_m2))
         return false;
@@ -67,6 +67,9 @@ static palp_status check_model_before_write(const palp_model *model, palp_error 
                               "the path of its mesh is not UTF-8, which JSON requires; rename the mesh");
     if (!is_specimen_shape_valid(model))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the model's specimen or mesh is out of range");
+    for (size_t r = 0; model->kind == PALP_MODEL_NETWORK && r < model->mesh->n_regions; r++)
+        if (!palp_text_is_utf8(model->mesh->regions[r].name))
+            return palp_error_set(error, PALP_ERR_ARGUMENT, "the name of a region is not UTF-8");
     palp_status status = palp_material_check(&model->material, error);
     if (!status)
         status = check_stiffness_law(model, error);
@@ -181,8 +184,7 @@ static void print_maxwell_arm(const writer *w, const palp_arm *arm) {
     fputc('}', w->stream);
 }
 
-static void print_element_material(const writer *w, const palp_material *material) {
-    print_stiffness_law(w, &material->law);
+static void print_arms_and_dashpot(const writer *w, const palp_material *material) {
     fprintf(w->stream, "%s\"arms\": [", w->between);
     for (size_t j = 0; j < material->n_arms; j++) {
         fprintf(w->stream, "%s%s", j ? (w->item[0] ? "," : ", ") : "", w->item);
@@ -195,6 +197,11 @@ static void print_element_material(const writer *w, const palp_material *materia
     }
     if (material->quasi_linear)
         fprintf(w->stream, "%s\"quasi_linear\": true", w->between);
+}
+
+static void print_element_material(const writer *w, const palp_material *material) {
+    print_stiffness_law(w, &material->law);
+    print_arms_and_dashpot(w, material);
     fprintf(w->stream, "%s\"formulation\": \"%s\"", w->between,
             material->formulation == PALP_SEDEF2008 ? "sedef2008" : "history");
 }
@@ -270,18 +277,24 @@ static void print_lattice_mesh(const writer *w, const palp_mesh_source *mesh) {
     scaling_print(w, mesh);
 }
 
+static palp_status print_json_text(const writer *w, const char *before, const char *text) {
+    json_t *value = json_string(text);
+    char *quoted = value ? json_dumps(value, JSON_ENCODE_ANY) : NULL;
+    json_decref(value);
+    if (quoted)
+        fprintf(w->stream, "%s%s", before, quoted);
+    free(quoted);
+    return quoted ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
 static palp_status print_mesh_file_source(const writer *w, const palp_mesh_source *mesh, const char *path) {
-    json_t *text = json_string(path);
-    char *quoted = text ? json_dumps(text, JSON_ENCODE_ANY) : NULL;
-    json_decref(text);
-    if (!quoted)
-        return PALP_ERR_NO_MEMORY;
-    fprintf(w->stream, "%s\"mesh\": {\"kind\": \"file\", \"path\": %s, ", w->between, quoted);
+    fputs(w->between, w->stream);
+    palp_status status = print_json_text(w, "\"mesh\": {\"kind\": \"file\", \"path\": ", path);
+    fputs(", ", w->stream);
     print_length_in_mm(w, "\"scale_mm\": ", mesh->scale_m);
     fputs(mesh->hex_diagonals ? ", \"hex_diagonals\": true" : "", w->stream);
     scaling_print(w, mesh);
-    free(quoted);
-    return PALP_OK;
+    return status;
 }
 
 /* What spheres were found to be off by. */
@@ -297,6 +310,51 @@ static void print_validity(const writer *w, const palp_model *model) {
         fputc('}', w->stream);
     }
     fputc(']', w->stream);
+}
+
+static void print_place(const writer *w, const char *before, const double place_m[3]) {
+    for (size_t k = 0; k < 3; k++)
+        print_length_in_mm(w, k ? ", " : before, place_m[k]);
+    fputc(']', w->stream);
+}
+
+static palp_status print_one_region(const writer *w, const palp_region *region) {
+    const writer first = {w->stream, "", "", "", ""}, others = {w->stream, "", ", ", "", ""};
+    palp_status status = print_json_text(w, "{\"name\": ", region->name);
+    if (region->shape == PALP_REGION_BOX) {
+        print_place(w, ", \"box\": {\"low_mm\": [", region->low_m);
+        print_place(w, ", \"high_mm\": [", region->high_m);
+        fputc('}', w->stream);
+    } else if (region->shape == PALP_REGION_SPHERE) {
+        print_place(w, ", \"sphere\": {\"centre_mm\": [", region->centre_m);
+        print_length_in_mm(w, ", \"radius_mm\": ", region->radius_m);
+        fputc('}', w->stream);
+    }
+    if (region->stiffness > 0)
+        print_json_number(w, ", \"stiffness_factor\": ", region->stiffness);
+    else {
+        fputs(", \"material\": {", w->stream);
+        print_stiffness_law(&first, &region->own_material.law);
+        print_arms_and_dashpot(&others, &region->own_material);
+        fputc('}', w->stream);
+    }
+    if (region->poisson_ratio > 0)
+        print_json_number(w, ", \"poisson_ratio\": ", region->poisson_ratio);
+    fputc('}', w->stream);
+    return status;
+}
+
+static palp_status print_regions(const writer *w, const palp_mesh_source *mesh) {
+    palp_status status = PALP_OK;
+    if (mesh->n_regions == 0)
+        return PALP_OK;
+    fprintf(w->stream, "%s\"regions\": [", w->between);
+    for (size_t r = 0; r < mesh->n_regions && !status; r++) {
+        fprintf(w->stream, "%s%s", r ? (w->item[0] ? "," : ", ") : "", w->item);
+        status = print_one_region(w, &mesh->regions[r]);
+    }
+    fputc(']', w->stream);
+    return status;
 }
 
 static void print_positive(const writer *w, const char *key, double value) {
@@ -316,7 +374,7 @@ static palp_status print_network_members(const writer *w, const palp_model *mode
     print_positive(w, "\"volume_modulus_Pa\": ", model->volume_modulus_Pa);
     print_positive(w, "\"poisson_ratio\": ", model->poisson_ratio);
     print_validity(w, model);
-    return status;
+    return status ? status : print_regions(w, model->mesh);
 }
 
 static palp_status print_complete_model(const writer *w, const palp_model *model, const char *mesh_path) {
@@ -324,7 +382,8 @@ static palp_status print_complete_model(const writer *w, const palp_model *model
     bool network = model->kind == PALP_MODEL_NETWORK;
     if (!palp_locale_enter(&locale))
         return PALP_ERR_NO_MEMORY;
-    fprintf(w->stream, "%s\"palpate\": {\"model\": 1}", w->open);
+    fprintf(w->stream, "%s\"palpate\": {\"model\": %d}", w->open,
+            network && model->mesh->n_regions > 0 ? 2 : 1); /* older builds do not read regions */
     fprintf(w->stream, "%s\"kind\": \"%s\"", w->between, network ? "network" : "lumped");
     print_specimen_size(w, model);
     print_element_material(w, &model->material);

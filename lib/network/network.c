@@ -21,6 +21,18 @@ palp_network_settings palp_network_settings_default(void) {
                                    .check_strain = 5e-3};
 }
 
+palp_network_settings palp_network_settings_of_model(const palp_model *model) {
+    palp_network_settings s = palp_network_settings_default();
+    if (!model)
+        return s;
+    s.density_kg_m3 = model->density_kg_m3;
+    s.volume_modulus_Pa = model->volume_modulus_Pa;
+    s.poisson_ratio = model->poisson_ratio;
+    s.n_regions = model->mesh ? model->mesh->n_regions : 0;
+    s.regions = model->mesh ? model->mesh->regions : NULL;
+    return s;
+}
+
 void palp_supports_default(palp_support supports[2]) {
     if (!supports)
         return;
@@ -56,7 +68,7 @@ static palp_status allocate_network_arrays(palp_network *net) {
     net->scratch = arena_take(&net->memory, 2 * m, sizeof *net->scratch);
     if (net->settings.density_kg_m3 > 0.0)
         net->mass = arena_take(&net->memory, net->n_nodes, sizeof *net->mass);
-    if (palp_mesh_element_scale(net->mesh))
+    if (palp_mesh_element_scale(net->mesh) || net->n_regions > 0)
         net->scale = arena_take(&net->memory, m, sizeof *net->scale);
     net->dof = arena_take(&net->memory, n3, sizeof *net->dof);
     net->slot = arena_take(&net->memory, 9 * m, sizeof *net->slot);
@@ -136,9 +148,7 @@ static void measure_rest_lengths(palp_network *net) {
                              (b[2] - a[2]) * (b[2] - a[2]));
         net->inverse_rest[i] = 1.0 / length;
     }
-    for (size_t i = 0; i < 2 * net->n_elements;
-         i++) /* a third of the trace of a node's block of the tangent */
-        net->unit[net->pair[i]] += (net->scale ? net->scale[i / 2] : 1.0) * net->inverse_rest[i / 2] / 3.0;
+    network_find_units(net);
     if (net->mass)
         share_mass_among_nodes(net);
 }
@@ -154,9 +164,11 @@ static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *m
     net->pair = palp_mesh_pairs(net->mesh);
     net->surface = palp_mesh_triangles(net->mesh);
     net->n_surface = palp_mesh_triangle_count(net->mesh);
-    status = allocate_network_arrays(net);
-    if (!status && net->scale)
-        memcpy(net->scale, palp_mesh_element_scale(net->mesh), net->n_elements * sizeof *net->scale);
+    status = network_take_regions(net, error);
+    if (!status)
+        status = allocate_network_arrays(net);
+    if (!status)
+        status = network_scale_elements(net);
     if (!status)
         status = number_free_unknowns(net, n_supports, supports, error);
     if (status)
@@ -174,7 +186,10 @@ static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *m
     palp_network_reset(net);
     if (net->mass)
         status = network_add_terms(net, 1, (network_term *[]){network_inertia_new(net)});
-    if (!status && (net->settings.volume_modulus_Pa > 0.0 || net->settings.poisson_ratio > 0.0))
+    bool volume = net->settings.volume_modulus_Pa > 0.0 || net->settings.poisson_ratio > 0.0;
+    for (size_t r = 0; r < net->n_regions; r++)
+        volume = volume || net->region[r].given.poisson_ratio > 0.0;
+    if (!status && volume)
         status = network_add_volume(net);
     if (status == PALP_ERR_UNSUPPORTED)
         return palp_error_set(
@@ -191,6 +206,7 @@ static bool are_settings_in_range(const palp_network_settings *s) {
            (s->poisson_ratio == 0.0 ||
             (s->poisson_ratio >= 0.25 && s->poisson_ratio < 0.5 && s->volume_modulus_Pa == 0.0)) &&
            s->spectral_radius >= 0.0 && s->spectral_radius <= 1.0 && s->check_strain >= 0.0 &&
+           s->n_regions <= PALP_REGIONS_MAX && (s->n_regions == 0 || s->regions) &&
            s->branch <= PALP_BRANCH_STABLE && s->solver <= PALP_SOLVER_SUPERNODAL &&
            s->integrator <= PALP_GENERALIZED_ALPHA;
 }
@@ -233,6 +249,8 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
     if (status)
         return status;
     bool vector = material->formulation == PALP_SEDEF2008 && material->n_arms > 0;
+    if (net->base_share && material->formulation != PALP_HISTORY)
+        return PALP_ERR_UNSUPPORTED;
     bool same = material->n_arms == net->material.n_arms && vector == (net->now.vector != NULL) &&
                 material->quasi_linear == net->material.quasi_linear;
     palp_material old = net->material;
@@ -242,6 +260,8 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
         return PALP_ERR_NO_MEMORY;
     }
     palp_network_reset(net);
+    if (net->base_share)
+        network_find_units(net);
     return PALP_OK;
 }
 
@@ -337,7 +357,7 @@ palp_status palp_network_from_model(const palp_model *model, const palp_mesh *me
                                     palp_network **network, palp_error *error) {
     if (!model || !network)
         return palp_error_null(error);
-    palp_network_settings own = settings ? *settings : palp_network_settings_default();
+    palp_network_settings own = palp_network_settings_of_model(model);
     palp_support usual[2];
     palp_mesh *made = NULL;
     palp_status status = check_effects_supported(model, error);
@@ -346,9 +366,15 @@ palp_status palp_network_from_model(const palp_model *model, const palp_mesh *me
     if (status)
         return status;
     palp_supports_default(usual);
-    own.density_kg_m3 = model->density_kg_m3;
-    own.volume_modulus_Pa = model->volume_modulus_Pa;
-    own.poisson_ratio = model->poisson_ratio;
+    if (settings) {
+        const palp_network_settings of_model = own;
+        own = *settings;
+        own.density_kg_m3 = of_model.density_kg_m3;
+        own.volume_modulus_Pa = of_model.volume_modulus_Pa;
+        own.poisson_ratio = of_model.poisson_ratio;
+        own.n_regions = of_model.n_regions;
+        own.regions = of_model.regions;
+    }
     status = palp_network_create(mesh ? mesh : made, &model->material, supports ? n_supports : 2,
                                  supports ? supports : usual, &own, network, error);
     palp_mesh_free(made);

@@ -23,9 +23,10 @@ void network_evaluate_terms(palp_network *net) {
 }
 
 double network_shared_length(const palp_network *net) {
+    const double *scale = palp_mesh_element_scale(net->mesh);
     double sum = 0.0;
     for (size_t i = 0; i < net->n_elements; i++)
-        sum += (net->scale ? net->scale[i] : 1.0) / net->inverse_rest[i];
+        sum += (scale ? scale[i] : 1.0) / net->inverse_rest[i];
     return sum;
 }
 
@@ -174,13 +175,21 @@ void network_drive_column(palp_network *net, double *column) {
 }
 
 bool network_energy(palp_network *net, double *energy) {
-    double *psi = net->scratch, sum = 0.0;
-    if (!element_energy(&net->material, &net->step, net->n_elements, net->strain, &net->now.history, psi,
-                        psi + net->n_elements))
-        return false;
-    for (size_t i = 0; i < net->n_elements; i++)
-        sum += (net->scale ? net->scale[i] : 1.0) * psi[i] / net->inverse_rest[i];
-    *energy = sum;
+    double *psi = net->scratch;
+    network_material m;
+    *energy = 0.0;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        if (!network_material_at(net, r, &m))
+            continue;
+        double sum = 0.0;
+        if (!element_energy(m.material, m.step, net->n_elements, net->strain, m.now, psi,
+                            psi + net->n_elements))
+            return false;
+        for (size_t i = 0; i < net->n_elements; i++)
+            sum += (net->scale ? net->scale[i] : 1.0) * (m.share ? m.share[i] : 1.0) * psi[i] /
+                   net->inverse_rest[i];
+        *energy += sum;
+    }
     for (size_t i = net->n_terms; i-- > 0;)
         if (net->terms[i]->kind->energy && !net->terms[i]->kind->energy(net->terms[i], net, energy))
             return false;
@@ -229,6 +238,8 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
         }
         if (net->scale)
             weight[i] *= net->scale[i];
+        if (net->base_share)
+            weight[i] *= net->base_share[i];
     }
     return PALP_OK;
 }

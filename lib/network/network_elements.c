@@ -17,6 +17,7 @@ typedef struct chunk {
         square[CHUNK + LANES]; /* by axis: difference of the end nodes, later force; and its square */
     double *strain, *inverse_length, *force, *tangent;
     element_history next;
+    bool keep; /* next is the network's */
 } chunk;
 
 /* Room for results of a chunk that the network need not keep. */
@@ -284,6 +285,7 @@ static element_history history_of_elements_from(const element_history *h, size_t
 /* A chunk whose results go to the network; with room, only strain, force and history do, if they are kept. */
 static chunk chunk_with_result_arrays(palp_network *net, size_t at, bool keep, chunk_room *room) {
     chunk c = chunk_of_elements_at(net, at);
+    c.keep = keep;
     c.inverse_length = room ? room->inverse_length : net->inverse_length + at;
     c.tangent = room ? room->tangent : net->tangent + at;
     c.strain = keep ? net->strain + at : room->strain;
@@ -313,9 +315,60 @@ static void carry_sedef_force_vector(palp_network *net, chunk *c) {
             vector[3 * i + k] = c->d[k][i] += share * old[3 * i + k];
 }
 
-static void evaluate_chunk_forces(palp_network *net, chunk *c) {
+PALP_CLONES
+static void multiply_by_share(size_t n, const double *restrict share, double *restrict force,
+                              double *restrict tangent) {
+    for (size_t i = 0; i < n; i++) {
+        force[i] *= share[i];
+        tangent[i] *= share[i];
+    }
+}
+
+PALP_CLONES
+static void add_share(size_t n, const double *restrict share, const double *restrict more_force,
+                      const double *restrict more_tangent, double *restrict force, double *restrict tangent) {
+    for (size_t i = 0; i < n; i++) {
+        force[i] += share[i] * more_force[i];
+        tangent[i] += share[i] * more_tangent[i];
+    }
+}
+
+static void evaluate_own_material(palp_network *net, chunk *c) {
     const element_history old = history_of_elements_from(&net->now.history, c->at);
     element_trial(&net->material, &net->step, c->n, c->strain, &old, &c->next, c->force, c->tangent);
+}
+
+/* Forces where some elements have another material than the network, or parts of several. Histories are those
+ * of whole elements of each material. */
+static void evaluate_chunk_of_materials(palp_network *net, chunk *c) {
+    const unsigned has = net->chunk_has[c->at / CHUNK];
+    chunk_room room;
+    if (has & 1U) {
+        evaluate_own_material(net, c);
+        multiply_by_share(c->n, net->base_share + c->at, c->force, c->tangent);
+    } else {
+        memset(c->force, 0, c->n * sizeof *c->force);
+        memset(c->tangent, 0, c->n * sizeof *c->tangent);
+    }
+    for (size_t r = 0; r < net->n_regions; r++) {
+        if (!(has & 2U << r))
+            continue;
+        const network_region *region = &net->region[r];
+        const element_history old = history_of_elements_from(&net->now.region[r], c->at);
+        element_history next = {room.strain, room.elastic, room.arm[0], room.peak, CHUNK};
+        if (c->keep)
+            next = history_of_elements_from(&net->next.region[r], c->at);
+        element_trial(&region->given.own_material, &region->step, c->n, c->strain, &old, &next, room.force,
+                      room.tangent);
+        add_share(c->n, region->share + c->at, room.force, room.tangent, c->force, c->tangent);
+    }
+}
+
+static void evaluate_chunk_forces(palp_network *net, chunk *c) {
+    if (net->base_share)
+        evaluate_chunk_of_materials(net, c);
+    else
+        evaluate_own_material(net, c);
     for (size_t i = 0; i < c->n && net->scale; i++) {
         c->force[i] *= net->scale[c->at + i];
         c->tangent[i] *= net->scale[c->at + i];

@@ -56,7 +56,7 @@ static palp_status add_foundation_term(palp_network *net) {
 palp_status network_set_foundation(palp_network *net, const char *set, double share) {
     const int32_t *nodes;
     size_t n;
-    double start;
+    double start[PALP_REGIONS_MAX + 1];
     palp_status status = palp_mesh_set(net->mesh, set, &n, &nodes);
     if (!status && !find_foundation_term(net))
         status = add_foundation_term(net);
@@ -68,11 +68,12 @@ palp_status network_set_foundation(palp_network *net, const char *set, double sh
     for (size_t i = 0; i < n; i++)
         listed[nodes[i]] = 1;
     double *stiffness = find_foundation_term(net)->stiffness;
-    palp_law_stiffness(&net->material.law, 0.0, &start, NULL);
+    network_stiffnesses(net, 0.0, false, start);
     for (size_t j = 0; j < 2 * net->n_elements; j++)
         for (size_t k = 0; k < 3 && listed[net->pair[j]]; k++)
-            stiffness[3 * (size_t)net->pair[j] + k] +=
-                share * start * net->inverse_rest[j / 2] * (net->scale ? net->scale[j / 2] : 1.0);
+            stiffness[3 * (size_t)net->pair[j] + k] += share * network_mean_of_materials(net, j / 2, start) *
+                                                       net->inverse_rest[j / 2] *
+                                                       (net->scale ? net->scale[j / 2] : 1.0);
     free(listed);
     return PALP_OK;
 }

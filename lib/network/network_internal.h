@@ -15,6 +15,7 @@ typedef struct network_state {
     double *inner;        /* [3 n_nodes] force of elements and outer terms on each node, N */
     double *element;      /* [n_elements] element force, tension positive, N */
     element_history history;
+    element_history region[PALP_REGIONS_MAX]; /* of regions with a material of their own */
     double *vector; /* [3 n_elements] force on the first node, PALP_SEDEF2008 only */
     double depth, time, force;
 } network_state;
@@ -29,6 +30,24 @@ typedef struct network_run {
     int32_t low, high, n;
 } network_run;
 
+/* A region, and how much of each solid and element is in it. */
+typedef struct network_region {
+    palp_region given;
+    double *inside; /* [mesh_solids] part of each, without what later regions have of it */
+    double *share;  /* [n_elements] of the element's force, or NULL: no material of its own */
+    element_step step;
+    double modulus; /* as the network's, of its own material */
+} network_region;
+
+/* One of the materials of a network's elements: 0 is that of the network, r + 1 that of region r. */
+typedef struct network_material {
+    const palp_material *material;
+    const element_step *step;
+    const element_history *now;
+    const double *share; /* [n_elements] in each element's force, or NULL = all */
+    double modulus;      /* instantaneous stiffness at rest, N */
+} network_material;
+
 struct palp_network {
     arena memory, states; /* of its arrays; of the states now, next and past */
     palp_network_settings settings;
@@ -40,10 +59,20 @@ struct palp_network {
     double *inverse_rest; /* [n_elements] 1 / rest length */
     network_run
         *run; /* all elements in order, none across the end of a chunk; NULL if runs are too short to pay */
-    size_t *first_run;   /* [n_chunks + 1] first run of each chunk, then the number of runs */
-    double *straight;    /* [6 network_stride] with runs: a vector by axis, and a sum */
-    double *scale;       /* [n_elements] factor of each element's force, 0 = cut; or NULL = all 1 */
-    const int32_t *dead; /* [n_dead] elements that are cut; belongs to a term */
+    size_t *first_run; /* [n_chunks + 1] first run of each chunk, then the number of runs */
+    double *straight;  /* [6 network_stride] with runs: a vector by axis, and a sum */
+    double *scale;     /* [n_elements] factor of each element's force, 0 = cut; or NULL = all 1. Elements of
+                          a region that only is stiffer have its stiffness here */
+    size_t n_regions;
+    network_region *region;
+    double *base_share; /* [n_elements] share of the network's own material in each element's force; or NULL:
+                           there are no others */
+    unsigned short *chunk_has;   /* with base_share: materials of each chunk of elements, bit 0 for the
+                                    network's   own, bit r + 1 for region r's */
+    signed char *region_of_node; /* [n_nodes] the region that has most of the solids around a node, or -1;
+                                    NULL without regions */
+    double *stiffer;             /* [n_nodes] a node's stiffness over what it is without regions, or NULL */
+    const int32_t *dead;         /* [n_dead] elements that are cut; belongs to a term */
     size_t n_dead;
     const int32_t *surface; /* [3 n_surface] present triangles of the surface, outward */
     size_t n_surface;
@@ -139,6 +168,41 @@ void network_mark_restore(palp_network *net);
 #define NETWORK_SUM UINT64_C(0xcbf29ce484222325)
 uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
 
+/* ---- network_regions.c ---- */
+
+/* Copies the regions of the settings and finds their solids. ERR_ARGUMENT, ERR_INPUT, ERR_UNSUPPORTED, with a
+ * line in error. */
+palp_status network_take_regions(palp_network *net, palp_error *error);
+
+/* Sets scale, where there is one, and the shares of materials. */
+palp_status network_scale_elements(palp_network *net);
+
+/* Sets unit and stiffer for the present material. */
+void network_find_units(palp_network *net);
+
+/* The material of this number, from 0 to n_regions; false for a region without one of its own. */
+bool network_material_at(const palp_network *net, size_t number, network_material *material);
+
+/* K at a strain of the network's own material and of those of the regions, which follow, N; with arms their
+ * springs count too. 0 for a region without a material of its own. */
+void network_stiffnesses(const palp_network *net, double strain, bool with_arms,
+                         double stiffness[PALP_REGIONS_MAX + 1]);
+
+/* Mean over the materials of an element, weighed by their shares in its force. */
+double network_mean_of_materials(const palp_network *net, size_t element,
+                                 const double value[PALP_REGIONS_MAX + 1]);
+
+/* Has a material a dashpot beside its spring? */
+bool network_has_dashpot(const palp_network *net);
+
+/* What a solid has of a quantity that is proportional to stiffness, where each region has this value of it
+ * and the rest value[n_regions]: as the solid's stiffness, it is a mean of that of layers along a load and
+ * across it. */
+double network_mean_of_solid(const palp_network *net, size_t solid, const double value[PALP_REGIONS_MAX + 1]);
+
+/* How far the elements' strains exceed the measured range of their materials; 0 = not, or not known. */
+double network_beyond(const palp_network *net, const double *strain);
+
 /* ---- network_elements.c ---- */
 
 /* Finds the runs of elements, if they are long enough. */
@@ -175,7 +239,7 @@ bool network_evaluate_blocks(palp_network *net,
                              const network_blocks *blocks); /* as network_element_forces with blocks */
 void network_evaluate_terms(palp_network *net);             /* only the terms */
 
-/* Sum of the elements' rest lengths, each times its element's factor, m. The energy of an even strain is
+/* Sum of the elements' rest lengths, each times the mesh's factor for it, m. The energy of an even strain is
  * proportional to this sum and to the law: networks of one body are the same material when their laws are
  * inversely proportional to it. Young's modulus is K times this over six volumes. */
 double network_shared_length(const palp_network *net);
@@ -201,8 +265,8 @@ bool network_energy(palp_network *net, double *energy);
 double network_drive_force(const palp_network *net);
 
 /* After a converged try or step: factors at the solution. weight[n_elements]: elongation of each element per
- * unit depth; *stiffness: dforce/ddepth, N/m. A parameter p of the element force changes the reaction by sum
- * weight dforce_e/dp (adjoint of the equilibrium). */
+ * unit depth, times the share of the network's own material; *stiffness: dforce/ddepth, N/m. A parameter p of
+ * that material's force changes the reaction by sum weight dforce_e/dp (adjoint of the equilibrium). */
 palp_status network_weights(palp_network *net, double *weight, double *stiffness);
 
 /* ---- network_newton.c ---- */

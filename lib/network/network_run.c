@@ -12,7 +12,7 @@ typedef struct run {
 
 static palp_status observe_committed_state(const run *r, double time) {
     const palp_network *net = r->net;
-    const double beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));
+    const double beyond = network_beyond(net, net->now.history.strain);
     r->info->peak_force_N = fmax(r->info->peak_force_N, fabs(net->now.force));
     if (beyond > 0.0 && r->info->beyond == 0.0)
         r->info->beyond_s = time;
@@ -59,8 +59,8 @@ static double error_measure_of_state(const run *r, const network_state *s) {
 /* Order of the error of a run in dt. */
 static double convergence_order_of_run(const palp_network *net) {
     bool arms = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
-    bool first = arms || net->material.dashpot_Ns > 0.0 ||
-                 (net->mass && net->settings.integrator == PALP_BACKWARD_EULER);
+    bool first =
+        arms || network_has_dashpot(net) || (net->mass && net->settings.integrator == PALP_BACKWARD_EULER);
     return first ? 1.0 : 2.0;
 }
 

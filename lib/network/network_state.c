@@ -1,9 +1,18 @@
 /* network_state.c: states of a network and of its terms: allocated, reset to rest, marked, saved to a buffer
  * and restored. */
+#include "mesh/mesh_internal.h"
 #include "network_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/* All but the strain. */
+static void allocate_history(const palp_material *material, size_t m, arena *memory, element_history *h) {
+    if (material->quasi_linear)
+        h->elastic = arena_take(memory, m, sizeof(double));
+    h->arm = arena_take(memory, m * material->n_arms, sizeof(double));
+    h->stride = m;
+}
 
 static void allocate_state_arrays(const palp_network *net, arena *memory, network_state *s) {
     size_t n3 = 3 * net->n_nodes, m = net->n_elements;
@@ -15,10 +24,12 @@ static void allocate_state_arrays(const palp_network *net, arena *memory, networ
         s->acceleration = arena_take(memory, n3, sizeof(double));
     }
     s->history.strain = arena_take(memory, m, sizeof(double));
-    if (net->material.quasi_linear)
-        s->history.elastic = arena_take(memory, m, sizeof(double));
-    s->history.arm = arena_take(memory, m * net->material.n_arms, sizeof(double));
-    s->history.stride = m;
+    allocate_history(&net->material, m, memory, &s->history);
+    for (size_t r = 0; r < net->n_regions; r++) {
+        s->region[r].strain = s->history.strain;
+        if (net->region[r].share)
+            allocate_history(&net->region[r].given.own_material, m, memory, &s->region[r]);
+    }
     if (net->damage)
         s->history.peak = arena_take(memory, m, sizeof(double));
     if (net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0)
@@ -68,6 +79,12 @@ static void pass_committed_state(palp_network *net, network_cursor *c) {
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (arrays[i])
             network_pass(c, arrays[i], bytes[i]);
+    for (size_t r = 0; r < net->n_regions; r++)
+        if (net->region[r].share) {
+            if (s->region[r].elastic)
+                network_pass(c, s->region[r].elastic, m);
+            network_pass(c, s->region[r].arm, m * net->region[r].given.own_material.n_arms);
+        }
     NETWORK_EACH_TERM(net, pass, net, c);
     if (c->way == NETWORK_RESTORE)
         NETWORK_EACH_TERM(net, grasp_changed, net);
@@ -167,6 +184,12 @@ network_term *network_find_term(const palp_network *net, const network_term_kind
 
 /* ---- rest, aside and back ------------------------------------------------------------------------ */
 
+static void clear_history(const palp_material *material, size_t bytes, element_history *h) {
+    if (h->elastic)
+        memset(h->elastic, 0, bytes);
+    memset(h->arm, 0, bytes * material->n_arms);
+}
+
 void palp_network_reset(palp_network *net) {
     if (!net)
         return;
@@ -180,9 +203,10 @@ void palp_network_reset(palp_network *net) {
         memset(s->acceleration, 0, n3);
     }
     memset(s->history.strain, 0, m);
-    if (s->history.elastic)
-        memset(s->history.elastic, 0, m);
-    memset(s->history.arm, 0, m * net->material.n_arms);
+    clear_history(&net->material, m, &s->history);
+    for (size_t r = 0; r < net->n_regions; r++)
+        if (net->region[r].share)
+            clear_history(&net->region[r].given.own_material, m, &s->region[r]);
     if (s->history.peak)
         memset(s->history.peak, 0, m);
     if (s->vector)
@@ -225,34 +249,42 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes) {
     return sum;
 }
 
-/* Distinguishes networks of another mesh, other supports, another material, density or integrator. */
+static uint64_t sum_of_material(uint64_t sum, const palp_material *m) {
+    const uint64_t number[] = {m->law.kind, m->law.n, m->n_arms, m->quasi_linear, m->formulation};
+    const double value[] = {m->law.area_m2, m->law.strain_max, m->dashpot_Ns};
+    sum = network_sum(sum, number, sizeof number);
+    sum = network_sum(sum, value, sizeof value);
+    sum = network_sum(sum, m->law.coefficients, m->law.n * sizeof *m->law.coefficients);
+    sum = network_sum(sum, m->law.strain, m->law.n * sizeof *m->law.strain);
+    return network_sum(sum, m->arms, m->n_arms * sizeof *m->arms);
+}
+
+/* Distinguishes networks of another mesh, other supports, materials, regions, density or integrator. */
 static uint64_t fingerprint_of_network(const palp_network *net) {
-    const palp_material *m = &net->material;
     const size_t n3 = 3 * net->n_nodes;
     const uint64_t number[] = {net->n_nodes,
                                net->n_elements,
                                net->n_free,
                                net->n_terms,
+                               net->n_regions,
                                net->now.history.peak != NULL,
-                               m->law.kind,
-                               m->law.n,
-                               m->n_arms,
-                               m->quasi_linear,
-                               m->formulation,
                                net->settings.integrator};
-    const double value[] = {m->law.area_m2,
-                            m->law.strain_max,
-                            m->dashpot_Ns,
-                            net->settings.density_kg_m3,
-                            net->settings.volume_modulus_Pa,
-                            net->settings.poisson_ratio,
-                            net->settings.spectral_radius};
+    const double value[] = {net->settings.density_kg_m3, net->settings.volume_modulus_Pa,
+                            net->settings.poisson_ratio, net->settings.spectral_radius};
     const double *scale = palp_mesh_element_scale(net->mesh);
+    size_t corners;
+    const int32_t *node;
     uint64_t sum = network_sum(NETWORK_SUM, number, sizeof number);
     sum = network_sum(sum, value, sizeof value);
-    sum = network_sum(sum, m->law.coefficients, m->law.n * sizeof *m->law.coefficients);
-    sum = network_sum(sum, m->law.strain, m->law.n * sizeof *m->law.strain);
-    sum = network_sum(sum, m->arms, m->n_arms * sizeof *m->arms);
+    sum = sum_of_material(sum, &net->material);
+    for (size_t r = 0; r < net->n_regions; r++) {
+        const network_region *region = &net->region[r];
+        const double own[] = {region->given.stiffness, region->given.poisson_ratio};
+        sum = network_sum(sum, own, sizeof own);
+        sum = network_sum(sum, region->inside,
+                          mesh_solids(net->mesh, &corners, &node) * sizeof *region->inside);
+        sum = region->share ? sum_of_material(sum, &region->given.own_material) : sum;
+    }
     sum = network_sum(sum, net->rest, n3 * sizeof *net->rest);
     sum = network_sum(sum, net->pair, 2 * net->n_elements * sizeof *net->pair);
     sum = network_sum(sum, net->motion, n3 * sizeof *net->motion);

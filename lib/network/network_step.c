@@ -199,7 +199,7 @@ static void assess_tangent_stability(palp_network *net, palp_step_info *info) {
 
 static palp_status check_step_arguments(const palp_network *net, double depth, double dt) {
     const palp_material *m = &net->material;
-    bool rate = m->dashpot_Ns > 0.0 || net->mass || (m->formulation == PALP_SEDEF2008 && m->n_arms > 0);
+    bool rate = network_has_dashpot(net) || net->mass || (m->formulation == PALP_SEDEF2008 && m->n_arms > 0);
     return !isfinite(depth) || !(dt >= 0.0) || (dt == 0.0 && rate) ? PALP_ERR_ARGUMENT : PALP_OK;
 }
 
@@ -225,9 +225,14 @@ palp_status network_begin(palp_network *net, double depth_m, double dt_s) {
     element_step_prepare(&net->material, dt_s, &net->step);
     net->step.rate_factor = net->rate_factor;
     net->step.damage = net->damage;
-    palp_law_stiffness(&net->material.law, 0.0, &net->modulus, NULL);
-    for (size_t j = 0; j < net->material.n_arms; j++)
-        net->modulus += net->material.arms[j].stiffness_N;
+    double modulus[PALP_REGIONS_MAX + 1];
+    network_stiffnesses(net, 0.0, true, modulus);
+    net->modulus = modulus[0];
+    for (size_t r = 0; r < net->n_regions; r++) {
+        net->region[r].modulus = modulus[r + 1];
+        if (net->region[r].share)
+            element_step_prepare(&net->region[r].given.own_material, dt_s, &net->region[r].step);
+    }
     NETWORK_EACH_TERM(net, begin, net);
     if (net->mass && net->settings.integrator == PALP_GENERALIZED_ALPHA && net->now.time == 0.0 &&
         isfinite(dt_s))
@@ -301,8 +306,7 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
     if (!status) {
         local.force_N = net->next.force;
         local.inverted = network_count_inverted(net, net->next.x, 0, 1);
-        local.beyond =
-            palp_law_beyond(&net->material.law, network_largest_strain(net, net->next.history.strain));
+        local.beyond = network_beyond(net, net->next.history.strain);
         assess_tangent_stability(net, &local);
         net->trial = true;
     } else {

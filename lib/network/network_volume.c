@@ -27,13 +27,14 @@ typedef double lanes __attribute__((vector_size(BATCH * sizeof(double)), aligned
 
 typedef struct volume {
     network_term term;
-    double modulus;             /* k, Pa */
+    double modulus;    /* k of the network's own material, Pa */
+    double *all_k, *k; /* [n_all] and, of those in use, [n_all + BATCH] that of each solid; 0 behind n */
     double volume_m3, length_m; /* of the body and network_shared_length, both whole */
     size_t corners, modes;      /* of a solid: 8 and 6, or 4 and 3 */
     size_t n_all, n, changes; /* solids; those without a cut element; surface_changes when they were found */
     int32_t *all, *node;      /* [corners n_all] and, of those in use, [corners (n_all + BATCH)] */
     double *all_rest, *rest;  /* [n_all], [n_all + BATCH] m^3 */
-    double squares;           /* of stiffness times position, over modulus squared, at rest, m^4 */
+    double squares;           /* of stiffness times position, at rest, N^2 */
     double unit;              /* volume over the sum of these determinants */
     double sign[MODES][CORNERS];          /* a mode is the sum of sign times corner */
     double turn[CORNERS][CORNERS][MODES]; /* the volume's second derivative by corners a and b is u (v x sum
@@ -160,12 +161,15 @@ static void find_whole_solids(volume *t, const palp_network *net) {
             continue;
         memcpy(t->node + corners * t->n, node, corners * sizeof *node);
         const double *place = net->rest + 3 * (size_t)node[0];
-        t->squares += 2.25 * pow(t->all_rest[i], 2.0 / 3.0) * network_dot(place, place, 3); /* of a cube */
+        t->squares += pow(1.5 * t->all_k[i], 2.0) * pow(t->all_rest[i], 2.0 / 3.0) *
+                      network_dot(place, place, 3); /* of a cube */
+        t->k[t->n] = t->all_k[i];
         t->rest[t->n++] = t->all_rest[i];
     }
     for (size_t i = t->n; i % BATCH != 0; i++) {
         memcpy(t->node + corners * i, t->node + corners * (t->n - 1), corners * sizeof *t->node);
         t->rest[i] = t->rest[t->n - 1];
+        t->k[i] = 0.0;
     }
     t->changes = net->surface_changes;
 }
@@ -175,11 +179,11 @@ static void find_whole_solids(volume *t, const palp_network *net) {
 INLINE void find_slopes(volume *t, size_t at, const lanes *determinants, lanes *slope) {
     lanes rest, ratio, least, k, inverse;
     memcpy(&rest, t->rest + at, sizeof rest);
+    memcpy(&k, t->k + at, sizeof k);
+    k *= t->unit;
     ratio = t->unit * *determinants / rest;
-    for (size_t i = 0; i < BATCH; i++) {
+    for (size_t i = 0; i < BATCH; i++)
         least[i] = ratio[i] > LEAST ? ratio[i] : LEAST;
-        k[i] = at + i < t->n ? t->unit * t->modulus : 0.0;
-    }
     inverse = 1.0 / least;
     *slope = k * (1.0 - inverse + (ratio - least) * inverse * inverse);
     k *= t->unit * inverse * inverse / rest;
@@ -216,14 +220,14 @@ static void evaluate_volume_forces(network_term *term, palp_network *net) {
     if (t->changes != net->surface_changes)
         find_whole_solids(t, net);
     evaluate_batches(t, net->next.x, net->outer);
-    net->outer_squares += t->modulus * t->modulus * t->squares;
+    net->outer_squares += t->squares;
 }
 
 static bool add_volume_energy(const network_term *term, const palp_network *net, double *energy) {
     const volume *t = (const volume *)term;
     (void)net;
     for (size_t i = 0; i < t->n; i++)
-        *energy += t->rest[i] * volume_energy_density(t->modulus, t->ratio[i]);
+        *energy += t->rest[i] * volume_energy_density(t->k[i], t->ratio[i]);
     return true;
 }
 
@@ -315,16 +319,29 @@ static void take_volume_blocks(const network_term *term, const palp_network *net
 }
 
 /* A network of central springs has lambda = mu = 2/5 E, E its Young's modulus. What the volume adds to lambda
- * makes Poisson's ratio lambda / (2 (lambda + mu)) the wanted one. */
+ * makes Poisson's ratio lambda / (2 (lambda + mu)) the wanted one. stiffness: of the springs at rest. */
+static double modulus_of_ratio(const volume *t, double ratio, double stiffness) {
+    return 0.4 * (4.0 * ratio - 1.0) / (1.0 - 2.0 * ratio) * stiffness * t->length_m / (6.0 * t->volume_m3);
+}
+
 static void derive_volume_modulus(network_term *term, palp_network *net) {
     volume *t = (volume *)term;
+    const size_t per_solid = t->corners == 4 && mesh_is_all_hexahedra(net->mesh) ? 6 : 1;
     const double ratio = net->settings.poisson_ratio;
-    double stiffness;
-    if (!(ratio > 0.0))
-        return;
-    palp_law_stiffness(&net->material.law, 0.0, &stiffness, NULL);
-    t->modulus =
-        0.4 * (4.0 * ratio - 1.0) / (1.0 - 2.0 * ratio) * stiffness * t->length_m / (6.0 * t->volume_m3);
+    double stiffness[PALP_REGIONS_MAX + 1], k[PALP_REGIONS_MAX + 1];
+    network_stiffnesses(net, 0.0, false, stiffness);
+    if (!(net->settings.volume_modulus_Pa > 0.0))
+        t->modulus = ratio > 0.0 ? modulus_of_ratio(t, ratio, stiffness[0]) : 0.0;
+    for (size_t r = 0; r < net->n_regions; r++) {
+        const palp_region *given = &net->region[r].given;
+        const double rest = net->region[r].share ? stiffness[r + 1] : given->stiffness * stiffness[0];
+        k[r] = given->poisson_ratio > 0.0 ? modulus_of_ratio(t, given->poisson_ratio, rest)
+                                          : t->modulus * rest / stiffness[0];
+    }
+    k[net->n_regions] = t->modulus;
+    for (size_t i = 0; i < t->n_all; i++)
+        t->all_k[i] = net->n_regions > 0 ? network_mean_of_solid(net, i / per_solid, k) : t->modulus;
+    find_whole_solids(t, net);
 }
 
 #define VOLUME_OF(corners)                                                                                   \
@@ -414,7 +431,6 @@ static palp_status list_solids(volume *t, const palp_network *net) {
         if (!(t->all_rest[i] > 0.0) || !are_all_corners_joined(net, t->corners, node))
             return PALP_ERR_UNSUPPORTED;
     }
-    find_whole_solids(t, net);
     return PALP_OK;
 }
 
@@ -424,14 +440,14 @@ static palp_status allocate_solids(volume *t, size_t n) {
     t->all = arena_take(memory, t->corners * room, sizeof *t->all);
     t->node = arena_take(memory, t->corners * room, sizeof *t->node);
     t->mode = arena_take(memory, 3 * t->modes * room, sizeof *t->mode);
-    double **of_solid[] = {&t->all_rest, &t->rest, &t->ratio, &t->slope, &t->curve};
+    double **of_solid[] = {&t->all_rest, &t->rest, &t->all_k, &t->k, &t->ratio, &t->slope, &t->curve};
     for (size_t i = 0; i < sizeof of_solid / sizeof *of_solid; i++)
         *of_solid[i] = arena_take(memory, room, sizeof **of_solid[i]);
     return memory->failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
 palp_status network_add_volume(palp_network *net) {
-    const bool cells = net->settings.poisson_ratio > 0.0 && mesh_has_cells(net->mesh);
+    const bool cells = net->settings.volume_modulus_Pa == 0.0 && mesh_has_cells(net->mesh);
     volume *t = network_term_new(cells ? &CELLS : &TETRAHEDRA, sizeof *t);
     if (!t)
         return PALP_ERR_NO_MEMORY;

@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/number.h"
+#include "network_internal.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -115,14 +116,26 @@ static void print_line_cells(FILE *f, size_t n, const int32_t *pairs) {
     fputs("</Cells>\n", f);
 }
 
-static void print_strain_and_force(FILE *f, size_t n, const double *strain, const double *force_N) {
+/* K at rest of each element, by which regions differ. */
+static void print_rest_stiffness(FILE *f, const palp_network *net) {
+    double stiffness[PALP_REGIONS_MAX + 1];
+    network_stiffnesses(net, 0.0, false, stiffness);
+    print_array_start_tag(f, "Float64", "stiffness_N", 1);
+    for (size_t i = 0; i < net->n_elements; i++)
+        fprintf(f, "%.9g\n", net->scale[i] * network_mean_of_materials(net, i, stiffness));
+    print_array_end_tag(f);
+}
+
+static void print_element_values(FILE *f, const palp_network *network, size_t n, const double *force_N) {
     fputs("<CellData Scalars=\"strain\">\n", f);
     print_array_start_tag(f, "Float64", "strain", 1);
-    print_values_in_rows(f, n, strain, NULL, 1);
+    print_values_in_rows(f, n, palp_network_element_strain(network), NULL, 1);
     print_array_end_tag(f);
     print_array_start_tag(f, "Float64", "force_N", 1);
     print_values_in_rows(f, n, force_N, NULL, 1);
     print_array_end_tag(f);
+    if (network->n_regions > 0)
+        print_rest_stiffness(f, network);
     fputs("</CellData>\n", f);
 }
 
@@ -135,7 +148,7 @@ static void print_frame_document(FILE *f, const palp_network *network, const dou
     fprintf(f, "<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n", n_nodes, n_elements);
     print_points_and_motion(f, n_nodes, palp_network_positions(network), palp_mesh_positions(mesh));
     print_line_cells(f, n_elements, palp_mesh_pairs(mesh));
-    print_strain_and_force(f, n_elements, palp_network_element_strain(network), force_N);
+    print_element_values(f, network, n_elements, force_N);
     fputs("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", f);
 }
 

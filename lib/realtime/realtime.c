@@ -383,16 +383,21 @@ static palp_status continue_at_tool_share(palp_realtime *rt, tick *t, double sha
  * positions after a tick, arm j of stiffness K_j is off by K_j (d - m), where m <- decay_j m + (1 - decay_j)
  * d from tick to tick: a weighted mean of earlier errors. K_j m moves the nodes by no more than m times the
  * arm's share of the stiffness, which is itself part of the next d. For the plate the force of that is of
- * first order, as arms and springs have different equilibria. */
+ * first order, as arms and springs have different equilibria. Of several materials the worst counts. */
 static void remember_position_errors(palp_realtime *rt, const tick *t) {
     const palp_network *net = rt->net;
     const double error =
         t->fresh_error + rt->anchored + rt->remembered + (rt->driven ? rt->forgets * t->place_error : 0.0);
     rt->remembered = 0.0;
-    for (size_t j = 0; j < net->material.n_arms; j++) {
-        const double decay = net->step.decay[j];
-        rt->arm_error[j] = decay * rt->arm_error[j] + (1.0 - decay) * realtime_arm_share(net, j) * error;
-        rt->remembered += rt->arm_error[j];
+    network_material m;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        double sum = 0.0;
+        for (size_t j = 0; network_material_at(net, r, &m) && j < m.material->n_arms; j++) {
+            const double decay = m.step->decay[j], share = m.material->arms[j].stiffness_N / m.modulus;
+            rt->arm_error[r][j] = decay * rt->arm_error[r][j] + (1.0 - decay) * share * error;
+            sum += rt->arm_error[r][j];
+        }
+        rt->remembered = fmax(rt->remembered, sum);
     }
 }
 
@@ -508,8 +513,7 @@ palp_status palp_realtime_step(palp_realtime *rt, double depth_m, double dt_s, c
     rt->near = t.near;
     t.info.inverted = count_inverted(rt);
     if (info) {
-        if (net->material.law.strain_max > 0.0)
-            t.info.beyond = palp_law_beyond(&net->material.law, palp_network_strain_max(net));
+        t.info.beyond = network_beyond(net, net->now.history.strain);
         t.info.seconds = realtime_clock() - t.start;
         *info = t.info;
     }

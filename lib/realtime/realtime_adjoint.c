@@ -58,35 +58,47 @@ static void correct_adjoint_along(palp_realtime *rt) {
         rt->adjoint[i] += rz / curvature * z[i];
 }
 
-double realtime_arm_share(const palp_network *net, size_t arm) {
-    return net->material.arms[arm].stiffness_N / net->modulus;
-}
-
-/* Share of the stiffness that relaxes in this step. */
+/* Share of the stiffness that relaxes in this step, of the material that relaxes most. */
 static double relaxing_share(const palp_network *net) {
-    double sum = 0.0;
-    for (size_t j = 0; j < net->material.n_arms; j++)
-        sum += (1.0 - net->step.decay[j]) * realtime_arm_share(net, j);
-    return sum;
+    double most = 0.0;
+    network_material m;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        double sum = 0.0;
+        for (size_t j = 0; network_material_at(net, r, &m) && j < m.material->n_arms; j++)
+            sum += (1.0 - m.step->decay[j]) * m.material->arms[j].stiffness_N / m.modulus;
+        most = fmax(most, sum);
+    }
+    return most;
 }
 
-/* Stiffness by which the arms of an element at strain e relax in this step, N. */
-static double forgotten_arm_stiffness(const palp_network *net, double e) {
-    const palp_material *m = &net->material;
-    double elastic = 0.0, tangent = 0.0, sum = 0.0;
-    if (m->quasi_linear)
-        palp_law_force(&m->law, 1, &e, &elastic, &tangent, NULL);
-    for (size_t j = 0; j < m->n_arms; j++)
-        sum += (1.0 - net->step.decay[j]) * net->step.gain[j] *
-               element_arm_drive(m, j, e, elastic, tangent, 0.0).slope;
-    return sum;
+/* Stiffness by which the arms of each material at strain e relax in this step, N. */
+static void forgotten_arm_stiffness(const palp_network *net, double e,
+                                    double stiffness[PALP_REGIONS_MAX + 1]) {
+    network_material m;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        double elastic = 0.0, tangent = 0.0;
+        stiffness[r] = 0.0;
+        if (!network_material_at(net, r, &m))
+            continue;
+        if (m.material->quasi_linear)
+            palp_law_force(&m.material->law, 1, &e, &elastic, &tangent, NULL);
+        for (size_t j = 0; j < m.material->n_arms; j++)
+            stiffness[r] += (1.0 - m.step->decay[j]) * m.step->gain[j] *
+                            element_arm_drive(m.material, j, e, elastic, tangent, 0.0).slope;
+    }
 }
 
 /* Is it independent of strain? */
-static bool do_arms_forget_evenly(const palp_material *m) {
-    bool even = !m->quasi_linear;
-    for (size_t j = 0; j < m->n_arms; j++)
-        even = even && m->arms[j].beta == 0.0;
+static bool do_arms_forget_evenly(const palp_network *net) {
+    bool even = true;
+    network_material m;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        if (!network_material_at(net, r, &m))
+            continue;
+        even = even && !m.material->quasi_linear;
+        for (size_t j = 0; j < m.material->n_arms; j++)
+            even = even && m.material->arms[j].beta == 0.0;
+    }
     return even;
 }
 
@@ -94,9 +106,10 @@ static bool do_arms_forget_evenly(const palp_material *m) {
  * elements. */
 static void push_of_forgetting_arms(palp_realtime *rt, size_t part) {
     const palp_network *net = rt->net;
-    const double *x = net->now.x, *a = rt->adjoint, same = forgotten_arm_stiffness(net, 0.0);
-    const bool even = do_arms_forget_evenly(&net->material);
-    double *out = rt->adjoint_r;
+    const double *x = net->now.x, *a = rt->adjoint;
+    const bool even = do_arms_forget_evenly(net);
+    double *out = rt->adjoint_r, stiffness[PALP_REGIONS_MAX + 1];
+    forgotten_arm_stiffness(net, 0.0, stiffness);
     if (part == 0)
         memset(out, 0, 3 * net->n_nodes * sizeof *out);
     for (size_t i = part * net->n_elements / FORCE_PARTS; i < (part + 1) * net->n_elements / FORCE_PARTS;
@@ -107,10 +120,11 @@ static void push_of_forgetting_arms(palp_realtime *rt, size_t part) {
             square += (x[q + k] - x[p + k]) * (x[q + k] - x[p + k]);
             along += (x[q + k] - x[p + k]) * (a[q + k] - a[p + k]);
         }
-        const double stiffness =
-            even ? same : forgotten_arm_stiffness(net, sqrt(square) * net->inverse_rest[i] - 1.0);
-        const double size =
-            (net->scale ? net->scale[i] : 1.0) * stiffness * net->inverse_rest[i] * along / square;
+        if (!even)
+            forgotten_arm_stiffness(net, sqrt(square) * net->inverse_rest[i] - 1.0, stiffness);
+        const double size = (net->scale ? net->scale[i] : 1.0) *
+                            network_mean_of_materials(net, i, stiffness) * net->inverse_rest[i] * along /
+                            square;
         for (size_t k = 0; k < 3; k++) {
             out[q + k] -= size * (x[q + k] - x[p + k]);
             out[p + k] += size * (x[q + k] - x[p + k]);
@@ -205,7 +219,11 @@ void realtime_begin_adjoint(palp_realtime *rt, bool made) {
     rt->adjoint_error = rt->adjoint_rate = rt->adjoint_far = rt->adjoint_farthest = rt->adjoint_found =
         rt->forgets = 0.0;
     rt->adjoint_due = 0;
-    rt->adjoint_parts = rt->net->material.n_arms > 0 ? ADJOINT_PARTS + FORCE_PARTS + 2 : ADJOINT_PARTS;
+    network_material m;
+    bool arms = false;
+    for (size_t r = 0; r <= rt->net->n_regions; r++)
+        arms = arms || (network_material_at(rt->net, r, &m) && m.material->n_arms > 0);
+    rt->adjoint_parts = arms ? ADJOINT_PARTS + FORCE_PARTS + 2 : ADJOINT_PARTS;
     rt->doubt = 1.0;
     if (!made)
         return;

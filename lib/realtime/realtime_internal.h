@@ -61,9 +61,10 @@ struct palp_realtime {
                        relaxes and the error of the positions in the energy norm */
     double doubt;   /* largest ratio of an error in the energy norm to the factor's estimate of it; 1 if both
                        agree */
-    double error_ratio;              /* that error over |residual|, when last estimated */
-    double arm_error[PALP_ARMS_MAX]; /* error of the force in each arm's history, N */
-    double remembered;               /* their sum */
+    double error_ratio; /* that error over |residual|, when last estimated */
+    double arm_error[PALP_REGIONS_MAX + 1][PALP_ARMS_MAX]; /* error of the force in the history of each arm of
+                                                              each material, N */
+    double remembered;               /* their sum, of the material where it is largest */
     double anchored;                 /* error of the force in the reference points of friction, N */
     double guessed;                  /* residual of the last tick's first guess, N */
     double contraction;              /* final over first residual of the last tick */
@@ -117,9 +118,6 @@ size_t realtime_solve(palp_realtime *rt, size_t limit, double share, double enou
  * rt->forgets. */
 enum { ADJOINT_PARTS = 4, FORCE_PARTS = 8 };
 void realtime_improve_adjoint(palp_realtime *rt, int part);
-
-/* An arm's share of the stiffness of an element at rest. */
-double realtime_arm_share(const palp_network *net, size_t arm);
 
 /* Updates adjoint_far for next.x. Error of the adjoint there, in the energy norm. */
 void realtime_follow_adjoint(palp_realtime *rt);

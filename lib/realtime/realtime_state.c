@@ -130,16 +130,22 @@ double palp_realtime_energy(const palp_realtime *rt) {
         return NAN;
     palp_network *net = rt->net;
     const network_state *s = &net->now;
-    const palp_material *m = &net->material;
     double *psi = net->scratch, sum = 0.0;
-    palp_law_force(&m->law, net->n_elements, s->history.strain, psi + net->n_elements, NULL, psi);
-    for (size_t j = 0; j < m->n_arms; j++) {
-        const double *q = s->history.arm + j * net->n_elements, half = 0.5 / m->arms[j].stiffness_N;
+    network_material m;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        if (!network_material_at(net, r, &m))
+            continue;
+        palp_law_force(&m.material->law, net->n_elements, s->history.strain, psi + net->n_elements, NULL,
+                       psi);
+        for (size_t j = 0; j < m.material->n_arms; j++) {
+            const double *q = m.now->arm + j * net->n_elements, half = 0.5 / m.material->arms[j].stiffness_N;
+            for (size_t i = 0; i < net->n_elements; i++)
+                psi[i] += half * q[i] * q[i];
+        }
         for (size_t i = 0; i < net->n_elements; i++)
-            psi[i] += half * q[i] * q[i];
+            sum += (net->scale ? net->scale[i] : 1.0) * (m.share ? m.share[i] : 1.0) * psi[i] /
+                   net->inverse_rest[i];
     }
-    for (size_t i = 0; i < net->n_elements; i++)
-        sum += (net->scale ? net->scale[i] : 1.0) * psi[i] / net->inverse_rest[i];
     for (size_t i = 0; i < 3 * net->n_nodes && net->mass; i++)
         sum += 0.5 * net->mass[i / 3] * s->velocity[i] * s->velocity[i];
     return sum;

@@ -35,9 +35,11 @@ double realtime_own_stiffness(palp_realtime *rt) {
 
 /* Do elements of constant length keep their forces in this step? */
 static bool do_forces_outlast_step(const palp_network *net) {
-    bool last = net->material.formulation == PALP_HISTORY && net->step.dashpot == 0.0;
-    for (size_t j = 0; j < net->material.n_arms; j++)
-        last = last && net->step.decay[j] > LASTING;
+    bool last = net->material.formulation == PALP_HISTORY && !network_has_dashpot(net);
+    network_material m;
+    for (size_t r = 0; r <= net->n_regions; r++)
+        for (size_t j = 0; network_material_at(net, r, &m) && j < m.material->n_arms; j++)
+            last = last && m.step->decay[j] > LASTING;
     return last;
 }
 

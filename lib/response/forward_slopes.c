@@ -194,7 +194,7 @@ palp_status forward_slopes_create(const forward_plan *plan, palp_network *net, s
     s->alive = malloc(n + 1);
     if (status || !s->kept || !s->alive) {
         forward_slopes_free(s);
-        return PALP_ERR_NO_MEMORY;
+        return status ? status : PALP_ERR_NO_MEMORY;
     }
     s->by_time = s->kept + s->step.n_state;
     s->row = s->by_time + m;

@@ -9,6 +9,11 @@
 palp_status step_slopes_create(palp_network *net, size_t n, size_t n_arms, step_slopes *s) {
     const size_t m = net->n_elements, rows = n * m, arms = n_arms * m;
     *s = (step_slopes){.net = net, .n = n, .m = m, .n_arms = n_arms};
+    network_material other;
+    for (size_t r = 1; r <= net->n_regions; r++) /* their histories would have slopes too */
+        if (network_material_at(net, r, &other) &&
+            (other.material->n_arms > 0 || other.material->dashpot_Ns > 0.0))
+            return PALP_ERR_UNSUPPORTED;
     s->n_state = rows + n * arms + (net->damage ? rows : 0);
     s->state = calloc(s->n_state + rows + n * arms + ELEMENT_PARTIALS * arms + m + 3 * net->n_nodes,
                       sizeof *s->state);
@@ -97,7 +102,8 @@ static void solve_displacement_slopes(step_slopes *s, size_t k, double stiffer, 
         u[i] = s->outer != 0.0 ? s->outer * net->outer[i] : 0.0;
     for (size_t i = 0; i < s->m; i++)
         for (size_t c = 0; c < 3; c++) {
-            double f = partial[i] * net->direction[c * s->m + i] * (net->scale ? net->scale[i] : 1.0);
+            double f = partial[i] * net->direction[c * s->m + i] * (net->scale ? net->scale[i] : 1.0) *
+                       (net->base_share ? net->base_share[i] : 1.0);
             u[3 * (size_t)net->pair[2 * i] + c] += f;
             u[3 * (size_t)net->pair[2 * i + 1] + c] -= f;
         }

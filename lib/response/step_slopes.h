@@ -22,7 +22,8 @@ typedef struct step_slopes {
     double outer; /* set by the caller for each column: derivative of the logarithm of the outer forces */
 } step_slopes;
 
-/* n columns for a network at rest, with n_arms in its material; free with step_slopes_free. ERR_NO_MEMORY. */
+/* n columns for a network at rest, with n_arms in its material; free with step_slopes_free. ERR_NO_MEMORY;
+ * ERR_UNSUPPORTED: a region has arms or a dashpot of its own. */
 palp_status step_slopes_create(palp_network *net, size_t n, size_t n_arms, step_slopes *slopes);
 void step_slopes_free(step_slopes *slopes);
 

@@ -60,6 +60,12 @@ START_TEST(null_in_cut) {
 }
 END_TEST
 
+static double everywhere(void *user, const double x[3]) {
+    (void)user;
+    (void)x;
+    return 1.0;
+}
+
 START_TEST(null_in_mesh) {
     REFUSED(palp_mesh_lattice(NULL, numbers, PALP_NEIGHBOURS_26, (palp_mesh **)pointers));
     REFUSED(palp_mesh_lattice(sizes, NULL, PALP_NEIGHBOURS_26, (palp_mesh **)pointers));
@@ -88,6 +94,14 @@ START_TEST(null_in_mesh) {
     REFUSED(palp_mesh_set(mesh, NULL, &count, &nodes));
     REFUSED(palp_mesh_set(mesh, text, NULL, &nodes));
     REFUSED(palp_mesh_set(mesh, text, &count, NULL));
+    REFUSED(palp_mesh_add_region(NULL, text, everywhere, NULL));
+    REFUSED(palp_mesh_add_region(mesh, NULL, everywhere, NULL));
+    REFUSED(palp_mesh_add_region(mesh, text, NULL, NULL));
+    REFUSED(palp_mesh_region(NULL, text, (const double **)pointers));
+    REFUSED(palp_mesh_region(mesh, NULL, (const double **)pointers));
+    REFUSED(palp_mesh_region(mesh, text, NULL));
+    REFUSED(palp_region_place_in(NULL, (void *)storage, NULL));
+    REFUSED(palp_region_place_in(mesh, NULL, NULL));
     REFUSED(palp_mesh_transform(NULL, numbers, numbers));
     REFUSED(palp_mesh_transform(mesh, NULL, numbers));
     REFUSED(palp_mesh_transform(mesh, numbers, NULL));
@@ -231,6 +245,9 @@ START_TEST(null_in_tool) {
     REFUSED(palp_network_set_tools(net, 2, NULL));
     REFUSED(palp_network_tool_force(NULL, (void *)storage));
     REFUSED(palp_network_tool_force(net, NULL));
+    REFUSED(palp_network_contacts(NULL, 2, (void *)storage, &count));
+    REFUSED(palp_network_contacts(net, 2, NULL, &count));
+    REFUSED(palp_network_contacts(net, 2, (void *)storage, NULL));
     REFUSED(palp_network_grasp(NULL, 2, nodes, numbers));
     REFUSED(palp_network_grasp(net, 2, NULL, numbers));
     REFUSED(palp_network_grasp(net, 2, nodes, NULL));

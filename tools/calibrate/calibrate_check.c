@@ -101,13 +101,14 @@ static int read_network(const char *file, check_state *c) {
     c->model.covariance = c->covariance;
     c->model.between = c->between;
     c->model.n_specimens = n_specimens;
-    c->settings = palp_network_settings_default();
-    c->settings.volume_modulus_Pa = c->model.volume_modulus_Pa;
-    c->settings.poisson_ratio = c->model.poisson_ratio;
+    c->settings = palp_network_settings_of_model(&c->model);
+    c->settings.density_kg_m3 = 0;
     c->touch = palp_contact_settings_default();
     palp_mesh_bounds(c->mesh, c->low, c->high);
     c->height_m = c->high[1] - c->low[1];
     c->section_m2 = (c->high[0] - c->low[0]) * (c->high[2] - c->low[2]);
+    if (c->source.n_regions > 0)
+        return cli_failure(NAME, "%s: has regions, but the force is known of one solid alone", file);
     if (!is_box(c))
         return cli_failure(NAME, "%s: is no box, for which alone the force of a solid is known", file);
     palp_law_stiffness(&c->model.material.law, 0.0, &rest, NULL);

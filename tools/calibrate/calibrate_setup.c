@@ -61,6 +61,11 @@ static int read_models(const calibrate_options *o, calibrate_state *s) {
     return code;
 }
 
+/* All but the regions. */
+static void forget_mesh(palp_mesh_source *mesh) {
+    memset(mesh, 0, offsetof(palp_mesh_source, n_regions));
+}
+
 static int choose_lattice(const calibrate_options *o, const calibrate_state *s, palp_mesh_source *mesh) {
     double nodes[3],
         size_mm[3] = {1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m, 1e3 * s->lumped.height_m};
@@ -68,7 +73,7 @@ static int choose_lattice(const calibrate_options *o, const calibrate_state *s, 
         return cli_usage_error(NAME, "--nodes must be one or three numbers, e.g. 5 or 5,7,5");
     if (o->size_mm.n && !cli_spread(&o->size_mm, size_mm))
         return cli_usage_error(NAME, "--size-mm must be one or three numbers, e.g. 24 or 24,30,24");
-    memset(mesh, 0, sizeof *mesh);
+    forget_mesh(mesh);
     mesh->kind = PALP_MESH_LATTICE;
     mesh->neighbourhood = PALP_NEIGHBOURS_26;
     mesh->scaling = o->scaling < 0 ? PALP_SCALING_CONTINUUM : (palp_mesh_scaling)o->scaling;
@@ -86,7 +91,7 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
     if (o->nodes.n)
         return choose_lattice(o, s, mesh);
     if (o->mesh) {
-        memset(mesh, 0, sizeof *mesh);
+        forget_mesh(mesh);
         mesh->kind = PALP_MESH_FILE;
         mesh->neighbourhood = PALP_NEIGHBOURS_26;
         mesh->scale_m = 1e-3 * o->scale_mm;
@@ -114,7 +119,7 @@ static bool is_of_tetrahedra(const calibrate_state *s) {
 
 int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     palp_support supports[2];
-    palp_network_settings settings = palp_network_settings_default();
+    palp_network_settings settings;
     palp_error error = {PALP_OK, ""};
     double low[3], high[3];
     int code = read_models(o, s);
@@ -133,9 +138,9 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
         palp_mesh_bounds(s->mesh, low, high);
         s->height_m = high[1] - low[1];
         palp_supports_default(supports);
+        settings = palp_network_settings_of_model(&s->model);
+        settings.density_kg_m3 = 0;
         settings.branch = (palp_branch)o->branch;
-        settings.volume_modulus_Pa = s->model.volume_modulus_Pa;
-        settings.poisson_ratio = s->model.poisson_ratio;
         s->model.material.formulation = (palp_formulation)o->formulation;
         if (s->does_static) {
             s->model.material.n_arms = 0;

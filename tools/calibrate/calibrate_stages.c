@@ -63,14 +63,13 @@ static palp_status coarse_network(const calibrate_options *o, const calibrate_st
     palp_model model = s->model;
     palp_mesh *mesh = NULL;
     palp_support supports[2];
-    palp_network_settings settings = palp_network_settings_default();
+    palp_network_settings settings = palp_network_settings_of_model(&model);
     model.mesh = &source;
     for (size_t k = 0; k < 3; k++)
         source.nodes[k] = source.nodes[k] < most ? source.nodes[k] : most;
     palp_supports_default(supports);
+    settings.density_kg_m3 = 0;
     settings.branch = (palp_branch)o->branch;
-    settings.volume_modulus_Pa = s->model.volume_modulus_Pa;
-    settings.poisson_ratio = s->model.poisson_ratio;
     palp_status status = palp_model_mesh(&model, &mesh, NULL);
     if (!status)
         status = palp_network_create(mesh, material, 2, supports, &settings, network, NULL);

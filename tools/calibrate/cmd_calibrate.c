@@ -68,7 +68,8 @@ static size_t fit_options(calibrate_options *o, cli_option *to) {
                  "let the stiffness of the arms grow with strain, K (1 + beta |e|)"),
         cli_in("start", "NETWORK.json", &o->start,
                "first guess. --stage relaxation takes its law (default: from a static\n"
-               "stage first), and its mesh unless --nodes or --mesh is given"),
+               "stage first), and its mesh unless --nodes or --mesh is given. Its\n"
+               "regions stay"),
     };
     memcpy(to, options, sizeof options);
     return sizeof options / sizeof options[0];

@@ -121,6 +121,8 @@ int cmd_export(int argc, char **argv) {
                          &model, &source);
     if (code)
         return code;
+    if (source.n_regions > 0)
+        return cli_failure("export", "%s: has regions, which a deck of springs cannot have yet", path);
     palp_network *network = NULL;
     palp_status status = palp_model_mesh(&model, &mesh, &error);
     model.n_effects = 0; /* the deck is of the plain network */

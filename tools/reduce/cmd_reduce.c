@@ -144,15 +144,12 @@ static int check_depths(const reduction *r) {
 }
 
 static palp_status make_network(const reduction *r, palp_network **net, palp_error *error) {
-    palp_network_settings settings = palp_network_settings_default();
+    palp_network_settings settings = palp_network_settings_of_model(&r->model);
     palp_contact_settings contact = palp_contact_settings_default();
     palp_support supports[2];
     palp_supports_default(supports);
     settings.tolerance = 1e-7;
     contact.local = false; /* a reduced network touches whole triangles */
-    settings.density_kg_m3 = r->model.density_kg_m3;
-    settings.volume_modulus_Pa = r->model.volume_modulus_Pa;
-    settings.poisson_ratio = r->model.poisson_ratio;
     palp_status status = palp_network_create(r->mesh, &r->model.material, r->free_top ? 1 : 2, supports,
                                              &settings, net, error);
     if (!status && r->tools)

@@ -1,0 +1,39 @@
+/* region.h: parts of a mesh whose material differs from that of the rest. Stable. */
+#ifndef PALPATE_REGION_H
+#define PALPATE_REGION_H
+
+#include <palpate/material.h>
+#include <palpate/mesh.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { PALP_REGIONS_MAX = 8, PALP_REGION_NAME_MAX = 64 };
+
+typedef enum palp_region_shape {
+    PALP_REGION_OF_MESH, /* the mesh has it: a named group of the volumes of a Gmsh file, or one added before
+                          */
+    PALP_REGION_BOX,     /* a layer is a box as wide as the mesh */
+    PALP_REGION_SPHERE
+} palp_region_shape;
+
+/* A region of a network or of a network model; a plain value. Where regions overlap, the later one counts. */
+typedef struct palp_region {
+    char name[PALP_REGION_NAME_MAX];
+    palp_region_shape shape;
+    double low_m[3], high_m[3];   /* opposite corners of a box */
+    double centre_m[3], radius_m; /* of a sphere */
+    double stiffness; /* > 0: every force of the network's own material times this; 0: own_material */
+    palp_material own_material; /* PALP_HISTORY only; scaled by the mesh as the network's material is */
+    double poisson_ratio;       /* as in palp_network_settings; 0 = that of the network */
+} palp_region;
+
+/* Adds a region by its shape; PALP_REGION_OF_MESH must be there already. Errors of palp_mesh_add_region, with
+ * a line in error, which may be NULL. */
+PALP_API palp_status palp_region_place_in(palp_mesh *mesh, const palp_region *region, palp_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

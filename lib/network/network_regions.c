@@ -1,0 +1,283 @@
+/* network_regions.c: elements and solids whose material differs from that of the network. */
+#include "base/file.h"
+#include "mesh/mesh_internal.h"
+#include "network_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool network_material_at(const palp_network *net, size_t number, network_material *material) {
+    if (number == 0) {
+        *material =
+            (network_material){&net->material, &net->step, &net->now.history, net->base_share, net->modulus};
+        return true;
+    }
+    const network_region *region = &net->region[number - 1];
+    if (region->share)
+        *material = (network_material){&region->given.own_material, &region->step,
+                                       &net->now.region[number - 1], region->share, region->modulus};
+    return region->share;
+}
+
+void network_stiffnesses(const palp_network *net, double strain, bool with_arms,
+                         double stiffness[PALP_REGIONS_MAX + 1]) {
+    network_material m;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        stiffness[r] = 0.0;
+        if (!network_material_at(net, r, &m))
+            continue;
+        palp_law_stiffness(&m.material->law, strain, &stiffness[r], NULL);
+        for (size_t j = 0; j < m.material->n_arms && with_arms; j++)
+            stiffness[r] += m.material->arms[j].stiffness_N;
+    }
+}
+
+double network_mean_of_materials(const palp_network *net, size_t element,
+                                 const double value[PALP_REGIONS_MAX + 1]) {
+    if (!net->base_share)
+        return value[0];
+    double sum = net->base_share[element] * value[0];
+    for (size_t r = 0; r < net->n_regions; r++)
+        sum += net->region[r].share ? net->region[r].share[element] * value[r + 1] : 0.0;
+    return sum;
+}
+
+static palp_status check_region(const palp_network *net, const palp_region *r, palp_error *error) {
+    const double ratio = r->poisson_ratio;
+    if (!memchr(r->name, '\0', PALP_REGION_NAME_MAX) || !(r->stiffness >= 0.0) || !isfinite(r->stiffness))
+        return palp_error_set(error, PALP_ERR_ARGUMENT,
+                              "a region's name is too long or its stiffness is < 0");
+    if (ratio != 0.0 && !(ratio >= 0.25 && ratio < 0.5 && net->settings.volume_modulus_Pa == 0.0))
+        return palp_error_set(
+            error, PALP_ERR_ARGUMENT,
+            "region \"%s\": Poisson's ratio must be from 0.25 to below 0.5, without a volume "
+            "modulus",
+            r->name);
+    if (r->stiffness > 0.0)
+        return PALP_OK;
+    if (net->material.formulation != PALP_HISTORY || r->own_material.formulation != PALP_HISTORY)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "region \"%s\": a material of its own needs the formulation \"history\"",
+                              r->name);
+    double stiffness;
+    palp_law_stiffness(&net->material.law, 0.0, &stiffness, NULL);
+    if (!(stiffness > 0.0)) /* stiffnesses are told as multiples of it */
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "regions need a law with stiffness at rest");
+    return palp_material_check(&r->own_material, error);
+}
+
+/* The part of each solid in this region, without what later regions have of it. */
+static palp_status find_inside(const palp_network *net, size_t of, double *inside) {
+    const double *part;
+    double *left = malloc(net->mesh->n_tetrahedra * sizeof *left);
+    if (!left)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t r = of; r < net->n_regions; r++)
+        if (!palp_mesh_region(net->mesh, net->region[r].given.name, &part))
+            for (size_t i = 0; i < net->mesh->n_tetrahedra; i++)
+                left[i] = r == of ? part[i] : left[i] * (1.0 - part[i]);
+    mesh_parts_of_solids(net->mesh, left, inside, NULL);
+    free(left);
+    return PALP_OK;
+}
+
+/* Stiffness of each region over that of the network's own material, with all arms, and that itself last. */
+static void find_ratios(const palp_network *net, double ratio[PALP_REGIONS_MAX + 1]) {
+    double stiffness[PALP_REGIONS_MAX + 1];
+    network_stiffnesses(net, 0.0, true, stiffness);
+    for (size_t r = 0; r < net->n_regions; r++)
+        ratio[r] = net->region[r].share ? stiffness[r + 1] / stiffness[0] : net->region[r].given.stiffness;
+    ratio[net->n_regions] = 1.0;
+}
+
+/* Part of a solid in region r, or (n_regions) in none. */
+static double part_of_solid(const palp_network *net, size_t r, size_t solid) {
+    if (r < net->n_regions)
+        return net->region[r].inside[solid];
+    double rest = 1.0;
+    for (size_t other = 0; other < net->n_regions; other++)
+        rest -= net->region[other].inside[solid];
+    return fmax(0.0, rest);
+}
+
+/* Stiffness of a solid over that of the network's own material: the geometric mean of its parts' by volume,
+ * which is between that of layers along a load and across it. *sum: the arithmetic mean. */
+static double stiffness_of_solid(const palp_network *net, const double ratio[PALP_REGIONS_MAX + 1],
+                                 size_t solid, double *sum) {
+    double logarithm = 0.0;
+    *sum = 0.0;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        const double part = part_of_solid(net, r, solid);
+        logarithm += part * log(ratio[r]);
+        *sum += part * ratio[r];
+    }
+    return exp(logarithm);
+}
+
+double network_mean_of_solid(const palp_network *net, size_t solid,
+                             const double value[PALP_REGIONS_MAX + 1]) {
+    double ratio[PALP_REGIONS_MAX + 1], mean = 0.0, sum;
+    find_ratios(net, ratio);
+    for (size_t r = 0; r <= net->n_regions; r++)
+        mean += part_of_solid(net, r, solid) * value[r] / ratio[r];
+    return mean * stiffness_of_solid(net, ratio, solid, &sum);
+}
+
+/* Each element's force over that of the same spring in the network's own material, into factor[n_elements];
+ * and what part of it each material has, if some regions have one of their own. */
+static palp_status find_shares(palp_network *net, double *factor) {
+    size_t corners;
+    const int32_t *node;
+    const size_t n = mesh_solids(net->mesh, &corners, &node);
+    double *stiffness = malloc((2 * n + 1) * sizeof *stiffness), *value = stiffness + n;
+    double ratio[PALP_REGIONS_MAX + 1], sum;
+    palp_status status = stiffness ? PALP_OK : PALP_ERR_NO_MEMORY;
+    find_ratios(net, ratio);
+    for (size_t i = 0; i < n && !status; i++)
+        stiffness[i] = stiffness_of_solid(net, ratio, i, &sum);
+    if (!status)
+        status = mesh_mean_around_elements(net->mesh, stiffness, factor);
+    for (size_t r = 0; r <= net->n_regions && net->base_share && !status; r++) {
+        double *share = r < net->n_regions ? net->region[r].share : net->base_share;
+        for (size_t i = 0; i < n && share; i++) {
+            stiffness_of_solid(net, ratio, i, &sum);
+            double part = part_of_solid(net, r, i);
+            for (size_t other = 0; other < net->n_regions && r == net->n_regions; other++)
+                part += net->region[other].share ? 0.0 : ratio[other] * part_of_solid(net, other, i);
+            value[i] = part * stiffness[i] / sum;
+        }
+        if (share)
+            status = mesh_mean_around_elements(net->mesh, value, share);
+        for (size_t i = 0; i < net->n_elements && share && !status; i++)
+            share[i] /= factor[i];
+    }
+    free(stiffness);
+    return status;
+}
+
+/* Which materials each chunk of elements has: bit 0 that of the network, bit r + 1 that of region r. */
+static void list_materials_of_chunks(palp_network *net) {
+    for (size_t i = 0; i < net->n_elements; i++) {
+        unsigned short *has = &net->chunk_has[i / NETWORK_CHUNK];
+        *has |= net->base_share[i] > 0.0;
+        for (size_t r = 0; r < net->n_regions; r++)
+            if (net->region[r].share && net->region[r].share[i] > 0.0)
+                *has |= (unsigned short)(2U << r);
+    }
+}
+
+/* Which region has most of the solids around each node; -1: more of them are in none. */
+static palp_status find_regions_of_nodes(palp_network *net) {
+    size_t corners;
+    const int32_t *node;
+    const size_t n = mesh_solids(net->mesh, &corners, &node);
+    double *most = calloc(2 * net->n_nodes, sizeof *most), *sum = most + net->n_nodes;
+    net->region_of_node = arena_take(&net->memory, net->n_nodes, sizeof *net->region_of_node);
+    const bool ok = most && net->region_of_node;
+    for (size_t r = 0; r <= net->n_regions && ok; r++) {
+        memset(sum, 0, net->n_nodes * sizeof *sum);
+        for (size_t i = 0; i < corners * n; i++)
+            sum[node[i]] += part_of_solid(net, r, i / corners);
+        for (size_t i = 0; i < net->n_nodes; i++)
+            if (sum[i] > most[i]) {
+                most[i] = sum[i];
+                net->region_of_node[i] = r < net->n_regions ? (signed char)r : -1;
+            }
+    }
+    free(most);
+    return ok ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+palp_status network_take_regions(palp_network *net, palp_error *error) {
+    const palp_region *given = net->settings.regions;
+    size_t corners;
+    const int32_t *node;
+    const size_t n_solids = mesh_solids(net->mesh, &corners, &node);
+    bool own = false;
+    net->n_regions = net->settings.n_regions;
+    net->region = arena_take(&net->memory, net->n_regions, sizeof *net->region);
+    for (size_t r = 0; r < net->n_regions && net->region; r++) {
+        const double *part;
+        network_region *region = &net->region[r];
+        palp_status status = check_region(net, &given[r], error);
+        if (status)
+            return status;
+        if (palp_mesh_region(net->mesh, given[r].name, &part))
+            return palp_error_set(error, PALP_ERR_INPUT, "the mesh has no region \"%s\"", given[r].name);
+        region->given = given[r];
+        region->inside = arena_take(&net->memory, n_solids, sizeof *region->inside);
+        if (given[r].stiffness == 0.0) {
+            region->share = arena_take(&net->memory, net->n_elements, sizeof *region->share);
+            own = true;
+        }
+    }
+    for (size_t r = 0; r < net->n_regions && !net->memory.failed; r++)
+        if (find_inside(net, r, net->region[r].inside))
+            return PALP_ERR_NO_MEMORY;
+    if (net->n_regions > 0)
+        net->stiffer = arena_take(&net->memory, net->n_nodes, sizeof *net->stiffer);
+    if (own) {
+        net->base_share = arena_take(&net->memory, net->n_elements, sizeof *net->base_share);
+        net->chunk_has =
+            arena_take(&net->memory, net->n_elements / NETWORK_CHUNK + 1, sizeof *net->chunk_has);
+    }
+    net->settings.regions = NULL; /* the caller's */
+    if (net->memory.failed)
+        return PALP_ERR_NO_MEMORY;
+    return net->n_regions > 0 ? find_regions_of_nodes(net) : PALP_OK;
+}
+
+palp_status network_scale_elements(palp_network *net) {
+    const double *scale = palp_mesh_element_scale(net->mesh);
+    palp_status status = net->n_regions > 0 ? find_shares(net, net->scale) : PALP_OK;
+    for (size_t i = 0; i < net->n_elements && scale && !status; i++)
+        net->scale[i] = scale[i] * (net->n_regions > 0 ? net->scale[i] : 1.0);
+    if (!status && net->base_share)
+        list_materials_of_chunks(net);
+    return status;
+}
+
+void network_find_units(palp_network *net) {
+    const double *scale = palp_mesh_element_scale(net->mesh);
+    double stiffness[PALP_REGIONS_MAX + 1];
+    network_stiffnesses(net, 0.0, true, stiffness);
+    memset(net->unit, 0, net->n_nodes * sizeof *net->unit);
+    for (size_t i = 0; i < 2 * net->n_elements;
+         i++) { /* a third of the trace of a node's block of the tangent */
+        const double ratio =
+            net->base_share ? network_mean_of_materials(net, i / 2, stiffness) / stiffness[0] : 1.0;
+        net->unit[net->pair[i]] +=
+            ratio * (net->scale ? net->scale[i / 2] : 1.0) * net->inverse_rest[i / 2] / 3.0;
+    }
+    if (!net->stiffer)
+        return;
+    memset(net->stiffer, 0, net->n_nodes * sizeof *net->stiffer);
+    for (size_t i = 0; i < 2 * net->n_elements; i++)
+        net->stiffer[net->pair[i]] += (scale ? scale[i / 2] : 1.0) * net->inverse_rest[i / 2] / 3.0;
+    for (size_t i = 0; i < net->n_nodes; i++)
+        net->stiffer[i] = net->unit[i] / net->stiffer[i];
+}
+
+bool network_has_dashpot(const palp_network *net) {
+    network_material m;
+    for (size_t r = 0; r <= net->n_regions; r++)
+        if (network_material_at(net, r, &m) && m.material->dashpot_Ns > 0.0)
+            return true;
+    return false;
+}
+
+double network_beyond(const palp_network *net, const double *strain) {
+    network_material m;
+    double beyond = 0.0;
+    for (size_t r = 0; r <= net->n_regions; r++) {
+        if (!network_material_at(net, r, &m) || !(m.material->law.strain_max > 0.0))
+            continue;
+        double largest = 0.0;
+        for (size_t i = 0; i < net->n_elements; i++)
+            if ((!m.share || m.share[i] > 0.0) && (net->n_dead == 0 || net->scale[i] != 0.0))
+                largest = fmax(largest, fabs(strain[i]));
+        beyond = fmax(beyond, palp_law_beyond(&m.material->law, largest));
+    }
+    return beyond;
+}

@@ -1,0 +1,72 @@
+#!/bin/sh
+# regions.sh: a network model with regions is read, pressed, calibrated and written again; what is wrong in it is named by its line.
+. tests/cli/common
+
+model() { # REGIONS, in a lattice of 24 mm
+    cat <<J
+{"palpate": {"model": 2}, "kind": "network",
+ "stiffness": {"kind": "polynomial", "coefficients_N": [10]}, "arms": [{"stiffness_N": 3, "viscosity_Ns": 1}],
+ "mesh": {"kind": "lattice", "nodes": [5, 5, 5], "size_mm": [24, 24, 24], "scaling": "continuum"},
+ "poisson_ratio": 0.45,
+ "regions": [$1]}
+J
+}
+sphere='"sphere": {"centre_mm": [12, 14, 12], "radius_mm": 7}'
+skin='{"name": "skin", "box": {"low_mm": [0, 18, 0], "high_mm": [24, 24, 24]}, "material": {"stiffness": {"kind": "polynomial", "coefficients_N": [20, 5]}, "arms": [{"stiffness_N": 8, "viscosity_Ns": 8}]}, "poisson_ratio": 0.3}'
+last() { tail -n 1 "$1" | cut -d, -f3; }
+press() { # NAME
+    expect 0 simulate "$1.json" --protocol ramp_hold --depth-mm 2 --ramp-s 0.5 --hold-s 2 --out "$1.csv"
+    last "$1.csv"
+}
+
+# ---- forces: a factor is the same material times it, a soft part makes it softer ----
+model '' >plain.json
+model "{\"name\": \"nodule\", $sphere, \"stiffness_factor\": 10}" >factor.json
+model "{\"name\": \"nodule\", $sphere, \"material\": {\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [100]}, \"arms\": [{\"stiffness_N\": 30, \"viscosity_Ns\": 10}]}}" >material.json
+model "{\"name\": \"cyst\", $sphere, \"stiffness_factor\": 0.1}" >soft.json
+model "{\"name\": \"nodule\", $sphere, \"stiffness_factor\": 10}, $skin" >both.json
+plain=$(press plain) stiff=$(press factor)
+near "a material that is a factor" "$(press material)" "$stiff" 1e-9
+awk -v p="$plain" -v s="$stiff" -v c="$(press soft)" 'BEGIN { exit !(s > 1.1 * p && c < 0.95 * p) }' || fail "stiff $stiff, plain $plain"
+press both >/dev/null
+sed 's/"model": 2/"model": 1/' plain.json >old.json
+near "a file of version 1" "$(press old)" "$plain" 1e-12
+
+# ---- what is drawn ----
+expect 0 simulate both.json --protocol static --depth-mm 1 --vtu frames --out drawn.csv
+grep -q 'Name="stiffness_N"' frames/network_0000.vtu 2>/dev/null || grep -lq 'Name="stiffness_N"' frames/*.vtu || fail "no stiffness of the elements in a frame"
+
+# ---- calibrate: the law of all but the regions, which the new model keeps ----
+cat >lumped.json <<'J'
+{"palpate": {"model": 1}, "kind": "lumped", "specimen": {"kind": "cylinder", "height_mm": 24, "radius_mm": 12},
+ "stiffness": {"kind": "polynomial", "coefficients_N": [8, 4]}, "arms": []}
+J
+expect 0 calibrate lumped.json --start factor.json --nodes 7 --stage static --depth-mm 6 --out fitted.json --json
+grep -q '"palpate": {"model": 2}' fitted.json || fail "the version of a model with regions"
+grep -q '"name": "nodule", "sphere": {"centre_mm": \[12, 14, 12\], "radius_mm": 7}, "stiffness_factor": 10}' fitted.json || fail "regions: $(grep -A2 regions fitted.json)"
+expect 0 simulate fitted.json --protocol static --depth-mm 2 --relaxed --out network.csv
+expect 0 simulate lumped.json --protocol static --depth-mm 2 --relaxed --out lumped.csv
+near "force of the network" "$(last network.csv)" "$(last lumped.csv)" 0.01
+expect 1 calibrate --check factor.json
+grep -q 'has regions' err || fail "check: $(cat err)"
+expect 1 export factor.json --depth-mm 1 --out deck.inp
+grep -q 'has regions' err || fail "export: $(cat err)"
+
+# ---- what is wrong ----
+wrong() { # REGIONS WORDS
+    model "$1" >wrong.json
+    expect 1 simulate wrong.json --protocol static --depth-mm 1 --out none.csv
+    grep -q "wrong.json:[0-9]*: .*$2\|wrong.json.*$2\|lattice.*$2" err || fail "\"$2\" expected: $(cat err)"
+    [ ! -e none.csv ] || fail "a file was written"
+}
+wrong "{$sphere, \"stiffness_factor\": 10}" 'name'
+wrong "{\"name\": \"a\", $sphere}" 'needs either stiffness_factor or material'
+wrong "{\"name\": \"a\", $sphere, \"stiffness_factor\": 0}" 'must be greater than 0'
+wrong "{\"name\": \"a\", $sphere, \"stiffness_factor\": 2, \"poisson_ratio\": 0.5}" 'must be from 0.25 to below 0.5'
+wrong '{"name": "a", "box": {"low_mm": [0, 5, 0], "high_mm": [9, 5, 9]}, "stiffness_factor": 2}' 'must have every coordinate'
+wrong '{"name": "a", "sphere": {"centre_mm": [0, 5], "radius_mm": 3}, "stiffness_factor": 2}' 'must be three coordinates'
+wrong '{"name": "a", "sphere": {"centre_mm": [90, 5, 5], "radius_mm": 3}, "stiffness_factor": 2}' 'no part of the mesh is in the region "a"'
+wrong '{"name": "a", "stiffness_factor": 2}' 'no group of volumes called "a"'
+wrong "$skin, $skin" 'has the name of another region'
+wrong '{"name": "a", "stiffness_factor": 2, "colour": 1}' 'colour'
+done_testing
