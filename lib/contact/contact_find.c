@@ -207,11 +207,20 @@ static double depth_before_step(search *s, const contact *c, const palp_tool *po
 static void continue_touch(const contact_set *set, contact *c, const contact_touch *touch) {
     c->touched = true;
     c->memory = (int32_t)(touch - set->now.touch);
-    for (size_t j = 0; j < set->relaxation.n_arms && contact_relaxes(set, c); j++)
-        c->past += set->relaxation.keep[j] * touch->arm[j] - set->relaxation.gain[j] * touch->elastic;
+    const contact_relaxation *r = &set->relaxation[c->material];
+    for (size_t j = 0; j < r->n_arms && contact_relaxes(set, c); j++)
+        c->past += r->keep[j] * touch->arm[j] - r->gain[j] * touch->elastic;
     c->doubt = touch->doubt;
     memcpy(c->was, touch->stretch, sizeof c->was);
     along3(c->anchor, -1.0, touch->stretch, c->anchor);
+}
+
+/* The material around the corner that is nearest. */
+static int material_at(const contact_set *set, const contact *c) {
+    int nearest = 0;
+    for (int j = 1; j < c->corners; j++)
+        nearest = c->share[j] > c->share[nearest] ? j : nearest;
+    return set->material ? set->material[c->node[nearest]] : 0;
 }
 
 /* Sets where friction's spring starts, and the share of the step since contact began. False for a tool that
@@ -223,6 +232,7 @@ static bool place_friction_anchor(search *s, contact *c) {
     const contact_touch *touch = known ? find_remembered_touch(s, c) : NULL;
     double place[3], moved[3] = {0.0}, distance, unused;
     memcpy(c->stick_share, c->share, sizeof c->stick_share);
+    c->material = material_at(set, c);
     contact_point(c, c->stick_share, s->committed, place);
     if (known)
         displacement_of_tool_point(was, pose, place, moved);

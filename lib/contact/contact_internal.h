@@ -50,6 +50,7 @@ typedef struct contact {
     contact_doubt doubt;   /* of its start */
     bool touched;          /* touched in the committed state */
     int32_t memory;        /* its record there, or -1 */
+    int material;          /* of the tissue there: its compliance relaxes as that does */
     double past;           /* pressure at no depth by what it remembers, N; at most 0 */
     double entry;          /* share of the step since contact began */
     /* at the last evaluation */
@@ -128,7 +129,9 @@ typedef struct contact_set {
     double spacing;      /* of the mesh's own nodes on that surface, m */
     double modulus; /* instantaneous stiffness of an element at rest, N; set by the caller before place */
     double solid;   /* stiffness of the surface by Poisson's ratio, over that at 1/4 */
-    contact_relaxation relaxation; /* of the step; set by the caller before place */
+    contact_relaxation relaxation[PALP_REGIONS_MAX + 1]; /* of the step, for each material of the tissue; set
+                                                            by the caller before place */
+    const unsigned char *material; /* [n_nodes] that around each node, or NULL = all 0; the caller's */
     double edge;                   /* mean edge of the surface at rest, m */
     contact_points points; /* if first is not NULL tools of all shapes touch these nodes, not triangles */
     contact_state now, next;

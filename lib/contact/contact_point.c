@@ -169,7 +169,7 @@ bool contact_relaxes(const contact_set *set, const contact *c) {
 }
 
 static double instant_share(const contact_set *set, const contact *c) {
-    return contact_relaxes(set, c) ? set->relaxation.share : 1.0;
+    return contact_relaxes(set, c) ? set->relaxation[c->material].share : 1.0;
 }
 
 /* Sets the pressure: what it remembers makes it less, to 0 at least. Returns its slope by the depth. */

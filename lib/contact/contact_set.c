@@ -40,7 +40,8 @@ palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, 
     set->unit = unit;
     set->rest = rest;
     set->solid = 1.0;
-    set->relaxation = (contact_relaxation){.share = 1.0};
+    for (size_t m = 0; m <= PALP_REGIONS_MAX; m++)
+        set->relaxation[m] = (contact_relaxation){.share = 1.0};
     set->edge = n_surface > 0 ? mean_edge_length(rest, n_surface, surface) : edge;
     set->tool = arena_take(memory, max_tools, sizeof *set->tool);
     set->pose = arena_take(memory, max_tools, sizeof *set->pose);
@@ -219,7 +220,7 @@ static void add_force_on_tool(const palp_tool *pose, const contact *c, const dou
 /* A contact that is new has no arms yet. */
 static void remember_arms(const contact_set *set, const contact *c, contact_touch *t) {
     const contact_touch *was = c->memory < 0 ? NULL : &set->now.touch[c->memory];
-    const contact_relaxation *r = &set->relaxation;
+    const contact_relaxation *r = &set->relaxation[c->material];
     t->elastic = c->elastic;
     for (size_t j = 0; j < r->n_arms; j++)
         t->arm[j] =

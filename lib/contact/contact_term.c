@@ -58,14 +58,18 @@ static void swap_contact_states(network_term *term, palp_network *net) {
 
 /* As the elements: by the same share of each arm. */
 static void set_relaxation(contact_set *set, const palp_network *net) {
-    const palp_material *m = &net->material;
-    contact_relaxation *r = &set->relaxation;
-    r->n_arms = m->formulation == PALP_HISTORY ? m->n_arms : 0;
-    r->share = 1.0;
-    for (size_t j = 0; j < r->n_arms; j++) {
-        r->keep[j] = net->step.decay[j];
-        r->gain[j] = net->step.gain[j] / net->modulus;
-        r->share += r->gain[j] - m->arms[j].stiffness_N / net->modulus;
+    network_material m;
+    for (size_t k = 0; k <= net->n_regions; k++) {
+        if (!network_material_at(net, k, &m))
+            continue;
+        contact_relaxation *r = &set->relaxation[k];
+        r->n_arms = m.material->formulation == PALP_HISTORY ? m.material->n_arms : 0;
+        r->share = 1.0;
+        for (size_t j = 0; j < r->n_arms; j++) {
+            r->keep[j] = m.step->decay[j];
+            r->gain[j] = m.step->gain[j] / m.modulus;
+            r->share += r->gain[j] - m.material->arms[j].stiffness_N / m.modulus;
+        }
     }
 }
 
@@ -343,6 +347,23 @@ contact_set *contact_of(const palp_network *net) {
     return term ? contact_set_of_term(term) : NULL;
 }
 
+/* The material of the tissue around each point that tools touch, of its node of the largest weight. */
+static unsigned char *materials_of_points(contact_term *t, const palp_network *net) {
+    unsigned char *material = arena_take(&t->term.memory, t->set.n_nodes, sizeof *material);
+    for (size_t i = 0; i < t->set.n_nodes && material && !t->term.memory.failed; i++) {
+        const contact point = {.node = {(int32_t)i}};
+        const int32_t *node;
+        const double *weight;
+        size_t nearest = 0;
+        const size_t n = nodes_of_contact_corner(t, &point, 0, &node, &weight);
+        for (size_t k = 1; k < n; k++)
+            nearest = weight[k] > weight[nearest] ? k : nearest;
+        const int region = net->region_of_node[node[nearest]];
+        material[i] = region >= 0 && net->region[region].share ? (unsigned char)(region + 1) : 0;
+    }
+    return material;
+}
+
 /* NULL: out of memory. */
 static network_term *create_contact_term(const palp_network *net, size_t max_tools,
                                          const palp_contact_settings *settings) {
@@ -358,6 +379,8 @@ static network_term *create_contact_term(const palp_network *net, size_t max_too
     else
         contact_set_create(&t->set, memory, net->n_nodes, net->rest, net->n_surface, net->surface, net->unit,
                            net->extent, max_tools, settings);
+    if (net->base_share)
+        t->set.material = materials_of_points(t, net);
     t->set.solid = SOLIDITY / (1.0 - fmax(net->settings.poisson_ratio, 1.0 - SOLIDITY));
     return &t->term;
 }

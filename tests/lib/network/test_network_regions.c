@@ -109,6 +109,43 @@ START_TEST(all_of_the_mesh) {
 }
 END_TEST
 
+/* So it is under a sphere that presses and stays, on local points and on a smooth surface. */
+START_TEST(all_of_the_mesh_under_a_sphere) {
+    const palp_material m = spring_with_arm(1.0, 0.0, 1.0), other = spring_with_arm(3.0, 2.0, 0.3);
+    const palp_region all = with_material(layer("all", -1, 1), &other, 1.0);
+    double force[2][8];
+    for (int with = 0; with < 2; with++) {
+        const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0}};
+        palp_network_settings settings = palp_network_settings_default();
+        palp_contact_settings touch = palp_contact_settings_default();
+        palp_mesh *mesh = solid_cube(5);
+        palp_network *net = NULL;
+        palp_tool tool = {
+            .shape = PALP_TOOL_SPHERE, .position_m = {0.4 * HEIGHT, 0, 0.5 * HEIGHT}, .radius_m = 5e-3};
+        ck_assert_int_eq(palp_region_place_in(mesh, &all, NULL), PALP_OK);
+        touch.subdivisions = _i ? 1 : 0;
+        settings.n_regions = (size_t)with;
+        settings.regions = &all;
+        ck_assert_int_eq(palp_network_create(mesh, with ? &m : &other, 1, &bottom, &settings, &net, NULL),
+                         PALP_OK);
+        ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &touch), PALP_OK);
+        for (int i = 0; i < 8; i++) {
+            palp_tool_force felt;
+            tool.position_m[1] = HEIGHT + 5e-3 - 2.5e-4 * fmin(i + 1, 4);
+            ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+            ck_assert_int_eq(palp_network_step(net, 0.0, 0.1, NULL), PALP_OK);
+            ck_assert_int_eq(palp_network_tool_force(net, &felt), PALP_OK);
+            force[with][i] = felt.force_N[1];
+        }
+        palp_network_free(net);
+        palp_mesh_free(mesh);
+    }
+    for (int i = 0; i < 8; i++)
+        ck_assert_double_eq_tol(force[1][i], force[0][i], 1e-6 * force[0][i]);
+    ck_assert_double_lt(force[0][7], 0.9 * force[0][3]);
+}
+END_TEST
+
 /* Where regions overlap, the later one counts. */
 START_TEST(the_later_region_counts) {
     const palp_material m = quartic(1);
@@ -461,6 +498,7 @@ void tests(TCase *tc);
 void tests(TCase *tc) {
     tcase_add_test(tc, a_factor_is_a_material);
     tcase_add_test(tc, all_of_the_mesh);
+    tcase_add_loop_test(tc, all_of_the_mesh_under_a_sphere, 0, 2);
     tcase_add_test(tc, the_later_region_counts);
     tcase_add_test(tc, layers_in_series);
     tcase_add_loop_test(tc, derivatives, 0, 2);
