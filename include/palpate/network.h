@@ -121,6 +121,16 @@ PALP_API palp_status palp_network_step(palp_network *network, double depth_m, do
 PALP_API palp_status palp_network_step_force(palp_network *network, double force_N, double dt_s,
                                              palp_step_info *info);
 
+/* Forces on nodes, force_N[3 n], from the next step until the next call, or until a reset; other nodes have
+ * none, and a node that is listed twice has the sum. On supported axes the support carries them. The first
+ * call allocates (n may be 0). ERR_ARGUMENT: no such node, a number that is not finite; ERR_NO_MEMORY. */
+PALP_API palp_status palp_network_set_forces(palp_network *network, size_t n, const int32_t *nodes,
+                                             const double *force_N);
+
+/* Gives a network with mass velocities, velocity_m_s[3 n_nodes]; supported axes keep none. ERR_ARGUMENT: a
+ * number that is not finite; ERR_UNSUPPORTED: a network without mass. */
+PALP_API palp_status palp_network_set_velocities(palp_network *network, const double *velocity_m_s);
+
 /* Saves the whole state (positions, history, predictor, contacts, tools, grasped nodes, cuts) to the caller's
  * buffer. Restores it to the same network or another one created and enabled alike, which drops a trial.
  * Later steps give the same results to the network's tolerance, as factors are not saved. ERR_ARGUMENT: no
@@ -136,6 +146,8 @@ PALP_API double palp_network_time(const palp_network *network);                 
 PALP_API double palp_network_force(const palp_network *network);                 /* N, conjugate to depth */
 PALP_API const double *palp_network_positions(const palp_network *network);      /* [3 n_nodes], m */
 PALP_API const double *palp_network_element_strain(const palp_network *network); /* [n_elements] */
+PALP_API const double *
+palp_network_velocities(const palp_network *network); /* [3 n_nodes], m/s; NULL: no mass */
 /* Largest |element strain|, of the elements that are not cut. */
 PALP_API double palp_network_strain_max(const palp_network *network);
 PALP_API size_t palp_network_unknown_count(const palp_network *network);

@@ -20,7 +20,7 @@ typedef struct network_state {
     double depth, time, force;
 } network_state;
 
-enum { NETWORK_PAST = 2, NETWORK_TERMS = 8 };
+enum { NETWORK_PAST = 2, NETWORK_TERMS = 10 };
 
 /* Loops over elements go in chunks of so many. */
 enum { NETWORK_CHUNK = 256 };

@@ -146,6 +146,12 @@ START_TEST(null_in_network) {
     NOTHING(!palp_network_mesh(NULL));
     palp_network_element_force(NULL, numbers);
     palp_network_element_force(net, NULL);
+    REFUSED(palp_network_set_forces(NULL, 2, nodes, numbers));
+    REFUSED(palp_network_set_forces(net, 2, NULL, numbers));
+    REFUSED(palp_network_set_forces(net, 2, nodes, NULL));
+    REFUSED(palp_network_set_velocities(NULL, numbers));
+    REFUSED(palp_network_set_velocities(net, NULL));
+    NOTHING(!palp_network_velocities(NULL));
     REFUSED(palp_network_reaction(NULL, text, numbers));
     REFUSED(palp_network_reaction(net, NULL, numbers));
     REFUSED(palp_network_reaction(net, text, NULL));
