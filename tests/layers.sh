@@ -18,7 +18,7 @@ mesh: base | mesh
 data: base | experiment recording segments
 effect: wire solve material mesh data | effect
 model: effect | model region
-network: model | network vtu
+network: model | network visual vtu
 contact: network | tool
 cut: network | cut
 realtime: contact cut | realtime

@@ -32,6 +32,7 @@
 #include <palpate/thesis.h>
 #include <palpate/version.h>
 #include <palpate/tool.h>
+#include <palpate/visual.h>
 #include <palpate/vtu.h>
 #include <palpate/wire.h>
 

@@ -20,6 +20,7 @@
 #include <palpate/status.h>
 #include <palpate/tool.h>
 #include <palpate/version.h>
+#include <palpate/visual.h>
 #include <palpate/vtu.h>
 
 #endif

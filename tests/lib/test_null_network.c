@@ -244,6 +244,24 @@ START_TEST(null_in_thesis) {
 }
 END_TEST
 
+START_TEST(null_in_visual) {
+    REFUSED(palp_visual_create(NULL, 2, numbers, 0, nodes, (palp_visual **)pointers, NULL));
+    REFUSED(palp_visual_create(net, 2, NULL, 0, nodes, (palp_visual **)pointers, NULL));
+    REFUSED(palp_visual_create(net, 2, numbers, 0, NULL, (palp_visual **)pointers, NULL));
+    REFUSED(palp_visual_create(net, 2, numbers, 0, nodes, NULL, NULL));
+    palp_visual_free(NULL);
+    REFUSED(palp_visual_follow(NULL, net, numbers, numbers));
+    REFUSED(palp_visual_follow((void *)storage, NULL, numbers, numbers));
+    REFUSED(palp_visual_follow((void *)storage, net, NULL, numbers));
+    REFUSED(palp_visual_follow_float(NULL, net, (void *)numbers, (void *)numbers));
+    REFUSED(palp_visual_follow_float((void *)storage, NULL, (void *)numbers, (void *)numbers));
+    REFUSED(palp_visual_follow_float((void *)storage, net, NULL, (void *)numbers));
+    REFUSED(palp_visual_triangles(NULL, &count, &nodes, &count));
+    REFUSED(palp_visual_triangles((void *)storage, NULL, &nodes, &count));
+    REFUSED(palp_visual_triangles((void *)storage, &count, NULL, &count));
+}
+END_TEST
+
 START_TEST(null_in_tool) {
     REFUSED(palp_network_enable_tools(NULL, 2, 2, (void *)storage));
     REFUSED(palp_network_enable_tools(net, 2, 2, NULL));
@@ -313,6 +331,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, null_in_realtime);
     tcase_add_test(tc, null_in_reduce);
     tcase_add_test(tc, null_in_thesis);
+    tcase_add_test(tc, null_in_visual);
     tcase_add_test(tc, null_in_tool);
     tcase_add_test(tc, null_in_vtu);
     tcase_add_test(tc, null_in_forward);
