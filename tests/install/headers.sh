@@ -5,6 +5,8 @@ set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+mkdir "$work/windows"
+echo 'typedef struct _iobuf FILE;' >"$work/windows/stdio.h"
 first() { sed '/\*\//q' "include/palpate/$1" | tr -s ' *\n' ' '; }
 stable() { first "$1" | grep -q '\bStable\.'; }
 for h in include/palpate/*.h; do
@@ -20,5 +22,10 @@ for h in include/palpate/*.h; do
         printf '#include <%s>\n#include <%s>\nint palpate_header_check(void);\n' "$name" "$name" |
             $cc -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -Iinclude -c -o "$work/o" - ||
             { echo "$name does not stand alone ($cc)"; exit 1; }
+    done
+    for language in c c++; do # what Microsoft's compiler sees; stdio.h is the system's
+        command -v clang >/dev/null || continue
+        clang -x $language -target x86_64-pc-windows-msvc -fms-extensions -ffreestanding -Wall -Wextra -Werror -Iinclude -isystem "$work/windows" \
+            -fsyntax-only "$h" || { echo "$name is not for Windows ($language)"; exit 1; }
     done
 done
