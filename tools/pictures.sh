@@ -1,6 +1,6 @@
 #!/bin/sh
 # pictures.sh: what `make pictures` runs: makes every picture of doc/pictures/ from the product itself.
-#   press.png, cut.png          the window of examples/poke, moved by press.poke and cut.poke
+#   press.png and so on         the window of examples/poke, moved by press.poke, cut.poke and nodule.poke
 #   explain.png                 the page that palpate explain writes in `make demo`
 #   press.json, explain.json    the figures in the picture of that name; tests/install/pictures.sh compares them with the README
 #   panel.png                   the page of palpate panel, in the middle of a run of the virtual indenter
@@ -48,13 +48,14 @@ picture = hashlib.sha256(open(name + ".png", "rb").read()).hexdigest()
 json.dump({"version": version, "picture_sha256": picture, "figures": json.load(sys.stdin)}, open(name + ".json", "w"), indent=2)
 open(name + ".json", "a").write("\n")' "$out/$1" "$("$palpate" --version | sed 's/palpate //')"
 }
-window() { # NAME FRAMES: how many frames NAME.poke lasts
-    "$poke" --script "$out/$1.poke" --frames "$2" --size 1200x750 --screenshot "$work/$1.png" --json "$work/$1.json" >/dev/null
+window() { # NAME FRAMES [MODEL]: how many frames NAME.poke lasts
+    "$poke" ${3+"$3"} --script "$out/$1.poke" --frames "$2" --size 1200x750 --screenshot "$work/$1.png" --json "$work/$1.json" >/dev/null
     compress "$work/$1.png" "$out/$1.png"
 }
 window press 277
 figures press <"$work/press.json"
 window cut 122
+window nodule 320 data/models/liver_nodule.json
 
 PALPATE=$palpate tools/demo.sh >/dev/null
 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1060,1105 --screenshot="$work/explain.png" \

@@ -52,6 +52,9 @@ bool body_open(body *b, const char *path) {
         body_close(b);
         return false;
     }
+    b->n_regions = source.n_regions;
+    for (size_t r = 0; r < source.n_regions; r++)
+        memcpy(b->region[r], source.regions[r].name, sizeof b->region[r]);
     b->mesh = palp_network_mesh(b->net);
     palp_mesh_bounds(b->mesh, b->low, b->high);
     b->sphere =
@@ -96,9 +99,25 @@ static void move_hand(body *b, double dt, int ticks) {
     palp_network_grasp(b->net, b->n_grasped, b->grasped, target);
 }
 
+/* The region with the largest share of the force that is normal to the sphere, or -1 if that is the rest. */
+static int touched_region(const body *b) {
+    enum { ROOM = 256 };
+    palp_contact contact[ROOM];
+    double share[PALP_REGIONS_MAX + 1] = {0.0};
+    size_t n = 0;
+    int most = -1;
+    palp_network_contacts(b->net, ROOM, contact, &n);
+    for (size_t i = 0; i < n && i < ROOM; i++)
+        share[contact[i].region + 1] += contact[i].normal_N;
+    for (int r = 0; r < (int)b->n_regions; r++)
+        most = share[r + 1] > share[most + 1] ? r : most;
+    return most;
+}
+
 static void feel(body *b) {
     palp_tool_force felt = {{0.0}, {0.0}, 0, 0.0};
     memset(b->force_N, 0, sizeof b->force_N);
+    b->touched = b->sphere_on ? touched_region(b) : -1;
     if (b->n_grasped > 0) {
         palp_network_grasp_force(b->net, b->n_grasped, b->grasped, b->force_N);
     } else if (b->sphere_on) {

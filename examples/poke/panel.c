@@ -128,14 +128,15 @@ static void draw_force(const body *b, const view *v) {
 
 static void draw_state(const body *b, poke_mode mode, const char *name) {
     static const char *const modes[] = {"press", "grasp", "cut"};
-    static const char *const labels[] = {"model", "network", "whole", "loose", "force", "tick"};
+    static const char *const labels[] = {"model", "network", "whole", "loose", "force", "tick", "touches"};
+    const int lines = b->n_regions > 0 ? 7 : 6;
     const double y = MARGIN, left = MARGIN + 14, at = left + 90;
     size_t n = palp_mesh_element_count(b->mesh), lost = b->n_cut + b->n_torn;
-    card(MARGIN, y, 392, 8 * LINE + 22);
+    card(MARGIN, y, 392, (2 + lines) * LINE + 22);
     bright();
     text(left, y + 10, LARGE, LEFT, "%s", modes[mode]);
     dim();
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < lines; i++)
         text(left, y + (2.6 + i) * LINE, SMALL, LEFT, "%s", labels[i]);
     text(at, y + 2.6 * LINE, SMALL, LEFT, "%.36s", name);
     text(at, y + 3.6 * LINE, SMALL, LEFT, "%zu nodes, %zu elements", palp_mesh_node_count(b->mesh), n);
@@ -144,6 +145,11 @@ static void draw_state(const body *b, poke_mode mode, const char *name) {
     text(at, y + 6.6 * LINE, SMALL, LEFT, "(%.3f, %.3f, %.3f) N", b->force_N[0], b->force_N[1],
          b->force_N[2]);
     text(at, y + 7.6 * LINE, SMALL, LEFT, "%.2f ms, median of 1 s", 1e3 * body_tick_median(b));
+    if (b->n_regions > 0)
+        text(at, y + 8.6 * LINE, SMALL, LEFT, "%.36s",
+             b->touched >= 0 ? b->region[b->touched]
+             : b->sphere_on  ? "the tissue around"
+                             : "nothing");
 }
 
 static void draw_keys(const body *b, const view *v) {

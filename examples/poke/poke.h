@@ -28,7 +28,10 @@ typedef struct body {
     bool blade_on;
     bool tearing;
     size_t n_cut, n_torn;
-    double force_N[3];          /* of the tissue on the sphere or the hand */
+    double force_N[3];                                   /* of the tissue on the sphere or the hand */
+    char region[PALP_REGIONS_MAX][PALP_REGION_NAME_MAX]; /* names of the network's regions */
+    size_t n_regions;
+    int touched;                /* the region that takes most of the sphere's force, or -1 */
     double curve_N[POKE_CURVE]; /* its size at the last frames, the newest at curve_end - 1 */
     size_t curve_end;
     palp_tick_info tick;             /* of the last tick */
