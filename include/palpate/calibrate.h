@@ -33,7 +33,8 @@ typedef struct palp_calibration {
     bool buckled;                /* static: the best network loses stability */
     double stable_m, unstable_m; /* static: it is stable at the first and unstable at the second depth */
     double strain_max;           /* static: largest |element strain| of the best curve; see palp_law_limit */
-    bool converged;              /* the method's own criterion was met */
+    double region_stiffness[PALP_REGIONS_MAX]; /* presses: that of the model's regions, fitted or as given */
+    bool converged;                            /* the method's own criterion was met */
 } palp_calibration;
 
 PALP_API void palp_calibration_free(palp_calibration *calibration); /* frees arrays, zeroes; NULL is fine */
@@ -127,10 +128,12 @@ typedef struct palp_press_target {
 } palp_press_target;
 
 typedef struct palp_presses_settings {
-    size_t max_evaluations; /* of all presses, not counting those for derivatives */
-    double stop_relative;   /* stop when the residual changes less than this */
-    bool fit_poisson;       /* Poisson's ratio of the model, 0.25 to 0.49 */
-    bool fit_beta;          /* one strain dependence for all arms */
+    size_t max_evaluations;            /* of all presses, not counting those for derivatives */
+    double stop_relative;              /* stop when the residual changes less than this */
+    bool fit_poisson;                  /* Poisson's ratio of the model, 0.25 to 0.49 */
+    bool fit_beta;                     /* one strain dependence for all arms */
+    bool fit_region[PALP_REGIONS_MAX]; /* stiffness of these regions of the model, each a factor: 0.01 to 100
+                                        */
     palp_contact_settings contact;
     palp_calibrate_progress progress;
     void *user;
@@ -142,11 +145,12 @@ PALP_API palp_presses_settings palp_presses_settings_default(void);
 /* Fits the law (a polynomial or spline) and the arms of a network model so that its forces meet all presses
  * at once. Each press counts by the mean square of its error over its peak force. The model's material is the
  * first guess, up to a factor; it and the Poisson's ratio are replaced by the best found. Effects of the
- * model are left out. mesh: the model's. result, which the caller frees, has the samples of all presses one
- * after the other. ERR_UNSUPPORTED: another kind of law, mass, a Poisson's ratio where the network cannot
- * have one; ERR_ARGUMENT: no press, one without force, too few samples for the law, numbers out of range;
- * ERR_STOPPED by progress; the statuses of palp_network_create, palp_network_enable_tools and, at the first
- * guess, of palp_network_step. */
+ * model are left out. mesh: the model's, with its regions. result, which the caller frees, has the samples of
+ * all presses one after the other. ERR_UNSUPPORTED: another kind of law, mass, a Poisson's ratio where the
+ * network cannot have one; ERR_ARGUMENT: no press, one without force, too few samples for the law, numbers
+ * out of range, a region to fit that is not there or has a material of its own; ERR_STOPPED by progress; the
+ * statuses of palp_network_create, palp_network_enable_tools and, at the first guess, of palp_network_step.
+ */
 PALP_API palp_status palp_calibrate_presses(palp_model *model, const palp_mesh *mesh, size_t n_targets,
                                             const palp_press_target *targets,
                                             const palp_presses_settings *settings, palp_calibration *result);

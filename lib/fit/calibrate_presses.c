@@ -10,16 +10,20 @@
 static const double LEAST_RATIO = 0.25, MOST_RATIO = 0.49; /* of springs alone; where networks lock */
 static const double SHIFT = 1e-4; /* of a parameter for a derivative: force has eight digits or more */
 
-enum { PARAMETERS_MAX = PALP_LAW_MAX + RELAXATION_PARAMETERS_MAX + 1 };
+static const double MOST_STIFFNESS = 100.0; /* of a region, and one over it */
+
+enum { PARAMETERS_MAX = PALP_LAW_MAX + RELAXATION_PARAMETERS_MAX + PALP_REGIONS_MAX + 1 };
 
 palp_presses_settings palp_presses_settings_default(void) {
     return (palp_presses_settings){
         .max_evaluations = 40, .stop_relative = 1e-4, .contact = palp_contact_settings_default()};
 }
 
-/* Parameters in their units: coefficients of the law, those of the arms, Poisson's ratio. */
+/* Parameters in their units: coefficients of the law, those of the arms, logarithms of the regions'
+ * stiffness, Poisson's ratio. */
 typedef struct presses {
-    palp_model model; /* with the latest material */
+    palp_model model;         /* with the latest material */
+    palp_mesh_source *source; /* of the model's mesh, with the latest stiffness of regions */
     palp_material start;
     double start_ratio;
     const palp_mesh *mesh;
@@ -27,7 +31,8 @@ typedef struct presses {
     size_t n_targets, n_samples;
     const palp_press_target *target;
     palp_calibration *result;
-    size_t n, n_arms; /* parameters; those of the arms */
+    size_t n, n_arms, n_regions; /* parameters; those of the arms; regions to fit */
+    size_t region[PALP_REGIONS_MAX];
     relaxation_parameter arm[RELAXATION_PARAMETERS_MAX];
     double unit[PARAMETERS_MAX];
     double *force, *moved; /* [n_samples] at a point and next to it */
@@ -94,6 +99,8 @@ static palp_status set_parameters(presses *s, const double *u) {
     palp_status status = palp_law_set_coefficients(&first.law, p);
     if (!status)
         status = relaxation_material(s->n_arms, s->arm, &first, p + laws, &s->model.material);
+    for (size_t r = 0; r < s->n_regions; r++)
+        s->source->regions[s->region[r]].stiffness = exp(p[laws + s->n_arms + r]);
     if (s->settings->fit_poisson)
         s->model.poisson_ratio = fmin(fmax(p[s->n - 1], LEAST_RATIO), MOST_RATIO);
     return status;
@@ -145,6 +152,15 @@ static size_t set_up(presses *s, double factor, double reach, double *u, double 
     size_t more = relaxation_bounds(s->n_arms, s->arm, &s->start, longest_press(s), own, floor + rows);
     place_bounds(s, more, own, s->n_arms, laws, row + rows * s->n, floor + rows);
     rows += more;
+    for (size_t r = 0; r < s->n_regions; r++) {
+        const size_t k = laws + s->n_arms + r;
+        s->unit[k] = 1.0;
+        u[k] = log(s->source->regions[s->region[r]].stiffness);
+        for (int side = -1; side <= 1; side += 2) {
+            row[rows * s->n + k] = side;
+            floor[rows++] = -log(MOST_STIFFNESS);
+        }
+    }
     if (s->settings->fit_poisson) {
         s->unit[s->n - 1] = 1.0;
         u[s->n - 1] = fmin(fmax(s->start_ratio, LEAST_RATIO), MOST_RATIO);
@@ -169,6 +185,8 @@ static palp_status report(presses *s, double weighted) {
     if (s->result->n_iterations == 1 || weighted < s->best) {
         s->best = weighted;
         s->best_ratio = s->model.poisson_ratio;
+        for (size_t r = 0; r < s->source->n_regions; r++)
+            s->result->region_stiffness[r] = s->source->regions[r].stiffness;
         s->result->residual_N = it.residual_N;
         s->result->material = it.material;
         s->result->strain_max = s->strain_max;
@@ -288,7 +306,14 @@ static palp_status prepare(presses *s) {
     if (law->kind != PALP_LAW_POLYNOMIAL && law->kind != PALP_LAW_SPLINE)
         return PALP_ERR_UNSUPPORTED;
     s->n_arms = s->start.n_arms ? relaxation_list(&s->start, &arms, s->arm) : 0;
-    s->n = law->n + s->n_arms + s->settings->fit_poisson;
+    for (size_t r = 0; r < PALP_REGIONS_MAX; r++) {
+        if (!s->settings->fit_region[r])
+            continue;
+        if (r >= s->source->n_regions || !(s->source->regions[r].stiffness > 0.0))
+            return PALP_ERR_ARGUMENT;
+        s->region[s->n_regions++] = r;
+    }
+    s->n = law->n + s->n_arms + s->n_regions + s->settings->fit_poisson;
     for (size_t t = 0; t < s->n_targets; t++)
         s->n_samples += s->target[t].n;
     if (s->n_samples < s->n || s->settings->max_evaluations < 1)
@@ -323,6 +348,13 @@ palp_status palp_calibrate_presses(palp_model *model, const palp_mesh *mesh, siz
                  .target = targets,
                  .result = result};
     memset(result, 0, sizeof *result);
+    s.source = malloc(sizeof *s.source);
+    if (!s.source)
+        return PALP_ERR_NO_MEMORY;
+    memset(s.source, 0, sizeof *s.source);
+    if (model->mesh)
+        *s.source = *model->mesh;
+    s.model.mesh = s.source;
     s.model.n_effects = 0;
     if (settings->fit_poisson) {
         s.model.volume_modulus_Pa = 0.0;
@@ -332,6 +364,7 @@ palp_status palp_calibrate_presses(palp_model *model, const palp_mesh *mesh, siz
     if (!status)
         status = fit(&s);
     free(s.force);
+    free(s.source);
     if (status) {
         palp_calibration_free(result);
         return status;

@@ -108,6 +108,21 @@ done
 expect 0 calibrate $L --nodes 3 --stage static --steps 50 --poisson 0.45 --out solid.json
 sed 's/"poisson_ratio": 0.45/"volume_modulus_Pa": 2000/' solid.json >volume.json
 set -- "$@" model=solid.json model=volume.json
+arm='"arms": [{"stiffness_N": 1, "viscosity_Ns": 1, "stiffness_per_strain": 0, "time_per_strain": 0}], "dashpot_Ns": 0.1, "quasi_linear": false'
+cat >regions.json <<J
+{"palpate": {"model": 2}, "kind": "network", "specimen": {"height_mm": 24, "radius_mm": 12}, "stiffness": {"kind": "polynomial", "coefficients_N": [6]}, "arms": [],
+ "mesh": {"kind": "lattice", "nodes": [4, 4, 4], "size_mm": [24, 24, 24], "scaling": "continuum"}, "poisson_ratio": 0.4, "regions": [
+ {"name": "nodule", "sphere": {"centre_mm": [12, 14, 12], "radius_mm": 6}, "stiffness_factor": 4, "poisson_ratio": 0.45},
+ {"name": "a", "box": {"low_mm": [0, 0, 0], "high_mm": [4, 4, 4]}, "material": {"stiffness": {"kind": "polynomial", "coefficients_N": [9], "strain_max": 0.4}, $arm}},
+ {"name": "b", "box": {"low_mm": [4, 0, 0], "high_mm": [8, 4, 4]}, "material": {"stiffness": {"kind": "neo_hookean", "coefficients_Pa": [3000]}}},
+ {"name": "c", "box": {"low_mm": [8, 0, 0], "high_mm": [12, 4, 4]}, "material": {"stiffness": {"kind": "spline", "strain": [0, 0.4], "stiffness_N": [5, 6]}}}]}
+J
+sed '/"name": "[abc]"/d; s/"poisson_ratio": 0.45},/"poisson_ratio": 0.45}]}/' regions.json >nodule.json
+expect 0 simulate regions.json --protocol static --depth-mm 1
+expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 2 --sample-Hz 2 --tip sphere --tip-radius-mm 6 --tip-x-mm 12 --tip-z-mm 11 --out tip_at.csv
+expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 2 --sample-Hz 2 --out tip_no.csv
+expect 0 calibrate $L tip_at.csv tip_no.csv --start nodule.json --stage static --degree 0 --poisson 0.4 --fit-region nodule --json && mv out cal_region.json
+set -- "$@" model=regions.json experiment=tip_at.csv calibrate=cal_region.json
 motion='"depth_mm": 2, "hold_s": 0.1, "air_mm": 1, "air_s": 0.1, "after_s": 0.1, "rest_s": 0.1, "acceleration_mm_s2": 400'
 waves='"amplitude_mm": 0.2, "frequency_Hz": 2, "rate_mm_s": 3'
 segments='[{"move_to_mm": 1, "rate_mm_s": 5, "acceleration_mm_s2": 100}, {"hold_s": 0.1}, {"cycle_to_mm": 2, "rate_mm_s": 5, "cycles": 1},

@@ -52,6 +52,28 @@ grep -q 'has regions' err || fail "check: $(cat err)"
 expect 1 export factor.json --depth-mm 1 --out deck.inp
 grep -q 'has regions' err || fail "export: $(cat err)"
 
+# ---- calibrate: the stiffness of a region, from spheres over it and beside it, and the plate ----
+model "{\"name\": \"nodule\", \"sphere\": {\"centre_mm\": [7, 15, 12], \"radius_mm\": 6}, \"stiffness_factor\": 5}" >hidden.json
+sed 's/"stiffness_factor": 5/"stiffness_factor": 1/; s/\[10\]/[4]/' hidden.json >start.json
+for x in 7 17; do
+    expect 0 simulate hidden.json --protocol static --relaxed --depth-mm 2 --tip sphere --tip-radius-mm 4 --tip-x-mm $x --tip-z-mm 12 \
+        --sample-Hz 5 --noise-N 0.0003 --seed $x --out at$x.csv
+done
+grep -q '^# tip.x_mm: 7' at7.csv || fail "the place of the sphere: $(grep tip at7.csv)"
+awk -v a="$(last at7.csv)" -v b="$(last at17.csv)" 'BEGIN { exit !(a > 1.15 * b) }' || fail "the nodule is not felt: $(last at7.csv), $(last at17.csv)"
+expect 0 simulate hidden.json --like at7.csv --out again.csv
+near "at the place of --like" "$(last again.csv)" "$(last at7.csv)" 0.3
+expect 0 simulate hidden.json --protocol static --relaxed --depth-mm 2 --sample-Hz 5 --noise-N 0.0003 --out plate.csv
+expect 0 calibrate lumped.json at7.csv at17.csv plate.csv --start start.json --stage static --degree 1 --poisson 0.45 --fit-region nodule --out found.json --json
+near "stiffness of the nodule" "$(sed -n '/"nodule"/,/}/s/.*"stiffness": *\([0-9.]*\).*/\1/p' out)" 5 0.15
+grep -q '"stiffness_factor": [45]\.' found.json || fail "regions of the model: $(grep stiffness_factor found.json)"
+expect 2 calibrate lumped.json at7.csv --stage static --start start.json --fit-region lump
+grep -q 'has no region "lump"' err || fail "an unknown region: $(cat err)"
+expect 2 calibrate lumped.json --stage static --start start.json --fit-region nodule
+grep -q 'needs runs of spheres' err || fail "no runs: $(cat err)"
+expect 1 simulate hidden.json --protocol static --depth-mm 1 --tip sphere --tip-radius-mm 4 --tip-x-mm 90 --tip-z-mm 12 --out none.csv
+grep -q 'nothing of it is below a sphere at x = 90' err || fail "beside the network: $(cat err)"
+
 # ---- what is wrong ----
 wrong() { # REGIONS WORDS
     model "$1" >wrong.json

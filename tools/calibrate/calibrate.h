@@ -25,6 +25,7 @@ typedef struct calibrate_options {
     size_t arms, degree, knots, steps;
     size_t subdivisions; /* SIZE_MAX = not given */
     bool hex_diagonals, strain_dependent, every_step, json;
+    const char *regions; /* names of those to fit, with commas, or NULL */
     char command[CLI_COMMAND_MAX];
 } calibrate_options;
 
@@ -38,6 +39,7 @@ typedef struct press_target {
     bool measured;       /* from a run, not from the lumped model */
     bool relaxed;        /* slow: the network is at rest at every sample */
     double tip_radius_m; /* of the sphere that pressed; 0 = the plate */
+    double tip_m[2];     /* x and z of the sphere's place; NAN = the middle of the top */
 } press_target;
 
 typedef struct calibrate_state {
@@ -48,10 +50,11 @@ typedef struct calibrate_state {
     double height_m; /* of the mesh */
     calibrate_method static_method, relaxation_method;
     bool does_static, does_relaxation;
-    size_t n_static;    /* the static target */
-    bool static_lumped; /* it is the lumped model's */
-    bool tools;         /* some run is of a tool: all runs are met at once */
-    bool fits_poisson;  /* tips of different size: with their runs */
+    size_t n_static;                    /* the static target */
+    bool static_lumped;                 /* it is the lumped model's */
+    bool tools;                         /* some run is of a tool: all runs are met at once */
+    bool fits_poisson;                  /* tips of different size: with their runs */
+    bool fits_region[PALP_REGIONS_MAX]; /* of the mesh's source */
     double *depth_m, *force_N;
     size_t n_presses;
     press_target press[PRESSES_MAX];

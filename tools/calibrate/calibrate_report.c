@@ -112,6 +112,13 @@ static json_t *whole_json(const calibrate_options *o, const calibrate_state *s) 
     }
     if (s->fits_poisson)
         json_object_set_new(all, "poisson_ratio", json_real(s->model.poisson_ratio));
+    json_t *regions = o->regions ? json_array() : NULL;
+    if (regions)
+        json_object_set_new(all, "regions", regions);
+    for (size_t r = 0; r < s->source.n_regions; r++)
+        if (s->fits_region[r])
+            json_array_append_new(regions, json_pack("{s:s, s:f}", "name", s->source.regions[r].name,
+                                                     "stiffness", s->source.regions[r].stiffness));
     if (s->buckled)
         json_object_set_new(
             all, "buckling",
@@ -183,6 +190,10 @@ static void print_relaxation(const calibrate_state *s) {
     print_arms(&c->material);
     if (s->fits_poisson)
         printf("  Poisson's ratio %.3f\n", s->model.poisson_ratio);
+    for (size_t r = 0; r < s->source.n_regions; r++)
+        if (s->fits_region[r])
+            printf("  region %s: %.4g times as stiff as the tissue around\n", s->source.regions[r].name,
+                   s->source.regions[r].stiffness);
     printf("  depth (mm)   peak (N)   largest error (%% of the peak)\n");
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *p = &s->press[i];

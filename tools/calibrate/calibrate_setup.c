@@ -117,6 +117,24 @@ static bool is_of_tetrahedra(const calibrate_state *s) {
     return s->source.kind == PALP_MESH_FILE && !s->source.hex_diagonals;
 }
 
+/* The regions that --fit-region names. */
+static int choose_regions(const calibrate_options *o, calibrate_state *s) {
+    for (const char *name = o->regions; name; name = strchr(name, ',') ? strchr(name, ',') + 1 : NULL) {
+        const size_t length = strcspn(name, ",");
+        size_t r = 0;
+        while (r < s->source.n_regions && (strlen(s->source.regions[r].name) != length ||
+                                           strncmp(s->source.regions[r].name, name, length) != 0))
+            r++;
+        if (r == s->source.n_regions || s->source.regions[r].stiffness == 0)
+            return cli_usage_error(NAME, "--fit-region: %s has no region \"%.*s\" with a stiffness_factor",
+                                   o->start ? o->start : "the network (no --start)", (int)length, name);
+        s->fits_region[r] = true;
+    }
+    if (o->regions && o->n_words < 2)
+        return cli_usage_error(NAME, "--fit-region needs runs of spheres over the regions");
+    return CLI_OK;
+}
+
 int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     palp_support supports[2];
     palp_network_settings settings;
@@ -125,6 +143,8 @@ int calibrate_setup(const calibrate_options *o, calibrate_state *s) {
     int code = read_models(o, s);
     if (code == CLI_OK)
         code = choose_mesh(o, s);
+    if (code == CLI_OK)
+        code = choose_regions(o, s);
     if (code)
         return code;
     choose_poisson(o, &s->model);

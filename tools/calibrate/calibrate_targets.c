@@ -228,6 +228,11 @@ static int press_of_tip(const char *file, const palp_experiment *run, palp_recor
     if (code == CLI_OK)
         code = press_from_run(file, run, 3, press);
     press->tip_radius_m = 1e-3 * radius_mm;
+    for (int k = 0; k < 2; k++) {
+        double place_mm = NAN;
+        palp_experiment_get_number(run, k ? "tip.z_mm" : "tip.x_mm", &place_mm);
+        press->tip_m[k] = 1e-3 * place_mm;
+    }
     press->relaxed = kind == PALP_RECORDING_STATIC;
     record *target = &press->target;
     for (size_t i = 0; press->relaxed && i < target->n; i++)
@@ -253,6 +258,7 @@ static int note_tools(const calibrate_options *o, calibrate_state *s) {
         differ = differ || radius_mm != first_mm;
         s->tools = s->tools || radius_mm > 0;
     }
+    s->tools = s->tools || o->regions;
     s->fits_poisson = s->tools && differ && !(o->poisson > 0) && s->source.scaling == PALP_SCALING_CONTINUUM;
     return code;
 }

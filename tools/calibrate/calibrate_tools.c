@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char NAME[] = "calibrate";
 
@@ -78,17 +79,23 @@ int calibrate_tools(const calibrate_options *o, calibrate_state *s) {
         return code;
     for (size_t i = 0; i < s->n_presses; i++) {
         const press_target *press = &s->press[i];
+        const double *at = press->tip_m;
         targets[i] = (palp_press_target){.plate = press->tip_radius_m == 0,
-                                         .tool = press_sphere(s->mesh, press->tip_radius_m),
+                                         .tool = press_sphere(s->mesh, press->tip_radius_m, at[0], at[1]),
                                          .relaxed = press->relaxed,
                                          .n = press->target.n,
                                          .time_s = press->target.time_s,
                                          .depth_m = press->target.depth_m,
                                          .force_N = press->target.force_N};
     }
+    for (size_t i = 0; i < s->n_presses; i++)
+        if (!targets[i].plate && !isfinite(targets[i].tool.position_m[1]))
+            return cli_failure(NAME, "nothing of the network is below the sphere at x = %.4g, z = %.4g mm",
+                               1e3 * s->press[i].tip_m[0], 1e3 * s->press[i].tip_m[1]);
     palp_status status = first_guess(o, s);
     progress_start(&bar, "plates and spheres");
     settings.fit_poisson = s->fits_poisson;
+    memcpy(settings.fit_region, s->fits_region, sizeof settings.fit_region);
     settings.fit_beta = o->strain_dependent && o->stage == STAGE_ALL;
     settings.progress = show;
     settings.user = &bar;
@@ -98,6 +105,8 @@ int calibrate_tools(const calibrate_options *o, calibrate_state *s) {
     progress_finish(&bar);
     if (status == PALP_OK)
         status = keep_forces(s);
+    for (size_t r = 0; status == PALP_OK && r < s->source.n_regions; r++)
+        s->source.regions[r].stiffness = s->relaxation_result.region_stiffness[r];
     if (status == PALP_OK)
         s->strain_max = s->relaxation_result.strain_max;
     return status ? cli_status(NAME, status, NULL) : CLI_OK;

@@ -70,6 +70,9 @@ static size_t fit_options(calibrate_options *o, cli_option *to) {
                "first guess. --stage relaxation takes its law (default: from a static\n"
                "stage first), and its mesh unless --nodes or --mesh is given. Its\n"
                "regions stay"),
+        cli_text("fit-region", "NAME[,NAME]", &o->regions,
+                 "stiffness of these regions of --start, beside the law; from runs of spheres\n"
+                 "that stand over them (tip.x_mm, tip.z_mm in their headers) and of plates"),
     };
     memcpy(to, options, sizeof options);
     return sizeof options / sizeof options[0];

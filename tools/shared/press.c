@@ -231,11 +231,50 @@ palp_status press_network(palp_network *network, const palp_path *path, const pr
     return o.status ? o.status : status;
 }
 
-palp_tool press_sphere(const palp_mesh *mesh, double radius_m) {
+/* Highest y of the centre at which a sphere at x and z touches a triangle's plane inside it, or one of its
+ * corners; -INFINITY: it meets neither. Edges between are a little higher. */
+static double touching_height(const double *const corner[3], double radius_m, double x_m, double z_m) {
+    double height = -INFINITY, u[3], v[3], normal[3];
+    for (int c = 0; c < 3; c++) {
+        const double away = hypot(corner[c][0] - x_m, corner[c][2] - z_m);
+        if (away < radius_m)
+            height = fmax(height, corner[c][1] + sqrt(radius_m * radius_m - away * away));
+    }
+    for (int k = 0; k < 3; k++) {
+        u[k] = corner[1][k] - corner[0][k];
+        v[k] = corner[2][k] - corner[0][k];
+    }
+    for (int k = 0; k < 3; k++)
+        normal[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+    const double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    if (!(normal[1] > 1e-6 * length))
+        return height;
+    /* the centre is above x and z, its foot on the plane aside of it; on a flat top both are one */
+    const double foot[2] = {x_m - radius_m * normal[0] / length, z_m - radius_m * normal[2] / length};
+    const double dx = foot[0] - corner[0][0], dz = foot[1] - corner[0][2], det = u[0] * v[2] - u[2] * v[0];
+    const double a = (dx * v[2] - dz * v[0]) / det, b = (u[0] * dz - u[2] * dx) / det;
+    if (a >= -1e-9 && b >= -1e-9 && a + b <= 1 + 1e-9)
+        height = fmax(height, corner[0][1] + a * u[1] + b * v[1] + radius_m * normal[1] / length);
+    return height;
+}
+
+palp_tool press_sphere(const palp_mesh *mesh, double radius_m, double x_m, double z_m) {
     palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = radius_m};
     const double *x = palp_mesh_positions(mesh);
-    const int32_t *top = NULL;
+    const int32_t *top = NULL, *triangle = palp_mesh_triangles(mesh);
     size_t n = 0;
+    if (!isnan(x_m) && !isnan(z_m)) {
+        double height = -INFINITY;
+        for (size_t i = 0; i < palp_mesh_triangle_count(mesh); i++) {
+            const double *const corner[3] = {x + 3 * triangle[3 * i], x + 3 * triangle[3 * i + 1],
+                                             x + 3 * triangle[3 * i + 2]};
+            height = fmax(height, touching_height(corner, radius_m, x_m, z_m));
+        }
+        tool.position_m[0] = x_m;
+        tool.position_m[1] = height;
+        tool.position_m[2] = z_m;
+        return tool;
+    }
     palp_mesh_set(mesh, "top", &n, &top);
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < 3; k++)

@@ -35,8 +35,9 @@ typedef struct press_watch {
 palp_status press_network(palp_network *network, const palp_path *path, const press_settings *settings,
                           const press_watch *watch, record *curve, palp_run_info *info);
 
-/* A sphere where it touches the highest nodes of a mesh, in their middle. */
-palp_tool press_sphere(const palp_mesh *mesh, double radius_m);
+/* A sphere where it just touches a mesh from above at x and z; where these are NAN, its highest nodes in
+ * their middle. */
+palp_tool press_sphere(const palp_mesh *mesh, double radius_m, double x_m, double z_m);
 
 /* A network at rest under a tool that comes down along the path from where it just touches: start. In steps
  * of the path's times (press_times), with the upward force on the tool. */

@@ -33,6 +33,9 @@ static int parse(int argc, char **argv, simulate_options *o) {
                    "smooth sphere, down onto the middle of its top"),
         cli_positive("tip-radius-mm", "MM", 1e4, &o->tip_radius_mm,
                      "of the sphere (default: tip.radius_mm of --like)"),
+        cli_number("tip-x-mm", "MM", -1e4, 1e4, &o->tip_mm[0],
+                   "its place on the network (default: tip.x_mm of --like, or the middle)"),
+        cli_number("tip-z-mm", "MM", -1e4, 1e4, &o->tip_mm[1], "likewise"),
         cli_heading("Solution"),
         cli_positive("dt-ms", "MS", 1e9, &o->dt_ms, "fixed time steps of at most MS ms"),
         cli_positive("tolerance", "REL", 0.1, &o->tolerance,
@@ -289,7 +292,8 @@ static int simulate(const simulate_options *o, simulation *s) {
 }
 
 int cmd_simulate(int argc, char **argv) {
-    simulate_options o = {.protocol = -1, .tip = -1, .hold_s = -1, .vtu_every = 1, .seed = SIZE_MAX};
+    simulate_options o = {
+        .protocol = -1, .tip = -1, .hold_s = -1, .vtu_every = 1, .seed = SIZE_MAX, .tip_mm = {NAN, NAN}};
     simulation s;
     int code = parse(argc, argv, &o);
     if (code)

@@ -14,7 +14,7 @@ typedef struct simulate_options {
     double depth_mm, rate_mm_s, ramp_s, hold_s, force_N, dt_ms, tolerance;
     size_t cycles, vtu_every;
     cli_list nodes;
-    double tip_radius_mm, sample_Hz, air_s, noise_N, hum_N, clip_N;
+    double tip_mm[2], tip_radius_mm, sample_Hz, air_s, noise_N, hum_N, clip_N;
     size_t seed; /* SIZE_MAX = not given */
     const char *drop, *spike;
     cli_list gaps, spikes; /* their values: from, to; time, force */
@@ -31,6 +31,7 @@ typedef struct simulation {
     palp_reduced *reduced; /* instead of both */
     double height_m;       /* of what is pressed */
     double tip_radius_m;   /* network: of the sphere that presses it; 0 = the plate */
+    double tip_m[2];       /* x and z of its place; NAN = the middle of the top */
     record curve;
     bool recorded;          /* the curve has regular samples, with air before them */
     double *low_N, *high_N; /* [curve.n] --band: 95 % band of the force, or NULL */

@@ -70,6 +70,14 @@ int simulate_tip(const simulate_options *o, simulation *s) {
         return cli_usage_error(NAME, "%s does not go with a sphere",
                                o->protocol == 3 ? "--protocol creep" : "a model with effects");
     s->tip_radius_m = 1e-3 * radius_mm;
+    for (int k = 0; k < 2; k++) {
+        double place_mm = o->tip_mm[k];
+        if (isnan(place_mm) && s->like)
+            palp_experiment_get_number(s->like, k ? "tip.z_mm" : "tip.x_mm", &place_mm);
+        s->tip_m[k] = 1e-3 * place_mm;
+    }
+    if (isnan(s->tip_m[0]) != isnan(s->tip_m[1]))
+        return cli_usage_error(NAME, "the place of a sphere needs both --tip-x-mm and --tip-z-mm");
     return CLI_OK;
 }
 
@@ -90,10 +98,10 @@ static void judge_tip(const simulate_options *o, const simulation *s) {
 
 static palp_status press_with_bar(const simulate_options *o, simulation *s, frames *f) {
     progress bar;
+    const palp_tool sphere = press_sphere(s->mesh, s->tip_radius_m, s->tip_m[0], s->tip_m[1]);
     press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
     press_watch watch = {&bar, add_frame, f};
     progress_start(&bar, "simulate");
-    const palp_tool sphere = press_sphere(s->mesh, s->tip_radius_m);
     palp_status status = s->tip_radius_m > 0
                              ? press_tool(s->network, &sphere, &s->path, &press, &watch, &s->curve, &s->info)
                              : press_network(s->network, &s->path, &press, &watch, &s->curve, &s->info);
@@ -111,6 +119,9 @@ int simulate_network(const simulate_options *o, simulation *s) {
     palp_support supports[2];
     palp_supports_default(supports);
     bool tip = s->tip_radius_m > 0; /* on the bottom alone */
+    if (tip && !isfinite(press_sphere(s->mesh, s->tip_radius_m, s->tip_m[0], s->tip_m[1]).position_m[1]))
+        return cli_failure(NAME, "%s: nothing of it is below a sphere at x = %.4g, z = %.4g mm", o->model,
+                           1e3 * s->tip_m[0], 1e3 * s->tip_m[1]);
     palp_status status =
         palp_network_from_model(&s->model, s->mesh, tip ? 1 : 2, supports, &settings, &s->network, &error);
     if (status == PALP_OK && tip)

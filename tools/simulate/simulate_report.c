@@ -104,6 +104,8 @@ static palp_status fill(const simulate_options *o, const simulation *s, palp_exp
     if (s->tip_radius_m > 0) {
         string(run, "tip.kind", palp_tip_name(PALP_TIP_SPHERE), &status);
         number(run, "tip.radius_mm", 1e3 * s->tip_radius_m, &status);
+        for (int k = 0; k < 2 && !isnan(s->tip_m[k]); k++)
+            number(run, k ? "tip.z_mm" : "tip.x_mm", 1e3 * s->tip_m[k], &status);
     }
     status = status ? status : fill_protocol(o, s, run);
     status = status ? status : fill_sensor(o, run);

@@ -133,6 +133,52 @@ START_TEST(spheres_alone_give_law_and_arms) {
 }
 END_TEST
 
+/* The law, a stiff quarter and a soft one beside each other, from a plate and a sphere over each quarter. */
+START_TEST(regions_from_presses_above_them) {
+    static const double STIFFNESS[2] = {6.0, 0.3};
+    static palp_mesh_source source;
+    palp_mesh *mesh = cube();
+    palp_presses_settings settings = palp_presses_settings_default();
+    palp_press_target target[TARGETS];
+    curve c[TARGETS];
+    palp_calibration result;
+    palp_model truth = network(5, 60, 0.4, 0, 0), guess = network(8, 0, 0.4, 0, 0);
+    truth.mesh = guess.mesh = &source;
+    source.n_regions = 2;
+    for (int r = 0; r < 2; r++) {
+        palp_region *region = &source.regions[r];
+        *region = (palp_region){.shape = PALP_REGION_BOX,
+                                .low_m = {r ? SIDE / 2 : 0, SIDE / 3, 0},
+                                .high_m = {r ? SIDE : SIDE / 2, SIDE, SIDE},
+                                .stiffness = STIFFNESS[r]};
+        strcpy(region->name, r ? "right" : "left");
+        ck_assert_int_eq(palp_region_place_in(mesh, region, NULL), PALP_OK);
+    }
+    set_targets(true, c, target);
+    for (size_t t = 0; t < TARGETS; t++) {
+        target[t].tool.position_m[0] = t == 1 ? 0.3 * SIDE : 0.7 * SIDE;
+        press(&truth, mesh, &target[t], c[t].force);
+    }
+    for (int r = 0; r < 2; r++) {
+        source.regions[r].stiffness = 1.0;
+        settings.fit_region[r] = true;
+    }
+    ck_assert_int_eq(palp_calibrate_presses(&guess, mesh, TARGETS, target, &settings, &result), PALP_OK);
+    ck_assert(result.converged);
+    NEAR(stiffness(&guess, 0), 5.0, 0.02);
+    NEAR(stiffness(&guess, 0.1), 5.6, 0.02);
+    for (int r = 0; r < 2; r++) {
+        NEAR(result.region_stiffness[r], STIFFNESS[r], 0.02);
+        ck_assert_double_eq(source.regions[r].stiffness, 1.0);
+    }
+    palp_calibration_free(&result);
+    settings.fit_region[2] = true;
+    ck_assert_int_eq(palp_calibrate_presses(&guess, mesh, TARGETS, target, &settings, &result),
+                     PALP_ERR_ARGUMENT);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
 START_TEST(what_cannot_be_met_is_refused) {
     palp_mesh *mesh = cube();
     palp_model model = network(5, 0, 0, 0, 0);
@@ -158,5 +204,6 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, spheres_and_a_plate_give_law_and_ratio);
     tcase_add_test(tc, spheres_alone_give_law_and_arms);
+    tcase_add_test(tc, regions_from_presses_above_them);
     tcase_add_test(tc, what_cannot_be_met_is_refused);
 }
