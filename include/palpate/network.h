@@ -57,8 +57,8 @@ typedef struct palp_network_settings {
 /* tolerance 1e-10, 50 iterations, CONTINUE, AUTO, massless, backward Euler, check every 5e-3. */
 PALP_API palp_network_settings palp_network_settings_default(void);
 
-/* The default with the density, volume modulus, Poisson's ratio and regions of a network model, whose source
- * of the mesh must stay until a network is made of it. NULL: the default. */
+/* The default with the density, volume modulus, Poisson's ratio and regions of a network model. The
+ * source of its mesh must stay until a network is made of them. NULL: the default. */
 PALP_API palp_network_settings palp_network_settings_of_model(const palp_model *model);
 
 /* The thesis' supports: "bottom" fixed, "top" fixed in x and z and driven in -y. */

@@ -93,7 +93,8 @@ PALP_API palp_status palp_network_tool_force(const palp_network *network, palp_t
 
 /* Points in contact at the last committed state, those of a tool together: the first room of them into
  * contacts[room], their number into *n. Their forces add up to what palp_network_tool_force has, in a tick of
- * palp_realtime_step but for its force_error_N. ERR_ARGUMENT: not enabled. */
+ * palp_realtime_step but for its force_error_N. A restored state has none before its next step.
+ * ERR_ARGUMENT: not enabled. */
 PALP_API palp_status palp_network_contacts(const palp_network *network, size_t room, palp_contact *contacts,
                                            size_t *n);
 

@@ -22,8 +22,8 @@ PALP_API void palp_visual_free(palp_visual *visual); /* NULL is fine */
 /* Places and unit normals of the vertices at the network's last committed state, [3 n_vertices] each; normal
  * may be NULL. network: the one it was made for, or one of the same mesh. Normals are those of the triangles
  * around, weighed by area; 0 where there are none. Allocates nothing. In a network that can be cut
- * (palpate/cut.h) a vertex follows the part of its tetrahedron that it is in, and triangles across a cut are
- * left out. ERR_ARGUMENT: a network of another mesh. */
+ * (palpate/cut.h) a vertex follows the part of its tetrahedron that it is in. Triangles across a cut are left
+ * out. ERR_ARGUMENT: a network of another mesh. */
 PALP_API palp_status palp_visual_follow(palp_visual *visual, const palp_network *network, double *x_m,
                                         double *normal);
 PALP_API palp_status palp_visual_follow_float(palp_visual *visual, const palp_network *network, float *x_m,

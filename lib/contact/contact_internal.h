@@ -83,9 +83,14 @@ typedef struct contact_touch {
     double stretch[3];
     contact_doubt doubt;
     double elastic, arm[PALP_ARMS_MAX]; /* N, of a contact that relaxes: its arms have these parts of it */
-    palp_contact seen;                  /* without node and region */
-    double share[3];                    /* of its force, that the corners take */
 } contact_touch;
+
+/* What a contact is told to be. */
+typedef struct contact_told {
+    palp_contact contact; /* without node and region */
+    int32_t node[3];
+    double share[3]; /* of its force, that these nodes take */
+} contact_told;
 
 /* How local compliance relaxes in a step, as the tissue's arms do: the pressure is share times the elastic
  * one, and what is kept of each arm. */
@@ -100,6 +105,8 @@ typedef struct contact_state {
     palp_tool *pose;       /* [max_tools] */
     palp_tool_force *felt; /* [max_tools] */
     contact_touch *touch;  /* [max_contacts] */
+    size_t n_told;
+    contact_told *told; /* [max_contacts], not saved with the state */
 } contact_state;
 
 /* Nodes that tools may touch, and the triangles around each: around[first[i]] to around[first[i + 1]]. */

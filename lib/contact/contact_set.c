@@ -15,6 +15,7 @@ static void allocate_contact_state(contact_state *s, arena *memory, size_t max_t
     s->pose = arena_take(memory, max_tools, sizeof *s->pose);
     s->felt = arena_take(memory, max_tools, sizeof *s->felt);
     s->touch = arena_take(memory, max_contacts, sizeof *s->touch);
+    s->told = arena_take(memory, max_contacts, sizeof *s->told);
 }
 
 static double mean_edge_length(const double *rest, size_t n_surface, const int32_t *surface) {
@@ -64,7 +65,7 @@ void contact_set_surface(contact_set *set, size_t n, const int32_t *surface) {
 }
 
 void contact_set_reset(contact_set *set) {
-    set->now.n_tools = set->now.n_touches = 0;
+    set->now.n_tools = set->now.n_touches = set->now.n_told = 0;
 }
 
 /* ---- tools --------------------------------------------------------------------------------------- */
@@ -227,8 +228,21 @@ static void remember_arms(const contact_set *set, const contact *c, contact_touc
             (was ? r->keep[j] * was->arm[j] - r->gain[j] * was->elastic : 0.0) + r->gain[j] * c->elastic;
 }
 
+static void tell_contact(const contact_set *set, const contact *c, contact_told *told) {
+    told->contact = (palp_contact){.tool = (size_t)c->tool,
+                                   .normal_N = contact_normal_force(c),
+                                   .depth_m = c->depth - c->early,
+                                   .slips = set->pose[c->tool].friction > 0.0 && c->kept < 1.0};
+    memcpy(told->contact.place_m, c->point, sizeof c->point);
+    memcpy(told->contact.normal, c->normal, sizeof c->normal);
+    memcpy(told->contact.friction_N, c->friction, sizeof c->friction);
+    memcpy(told->node, c->node, sizeof told->node);
+    memcpy(told->share, c->share, sizeof told->share);
+}
+
 void contact_set_finish(contact_set *set, const double *x) {
     contact_state *next = &set->next;
+    next->n_told = 0;
     next->n_tools = set->n_tools;
     next->n_touches = 0;
     for (size_t i = 0; i < set->n_tools; i++) {
@@ -245,14 +259,7 @@ void contact_set_finish(contact_set *set, const double *x) {
         t->part = c->part;
         memcpy(t->node, c->node, sizeof t->node);
         memcpy(t->stretch, c->stretch, sizeof t->stretch);
-        memcpy(t->share, c->share, sizeof t->share);
-        t->seen = (palp_contact){.tool = (size_t)c->tool,
-                                 .normal_N = contact_normal_force(c),
-                                 .depth_m = c->depth - c->early,
-                                 .slips = set->pose[c->tool].friction > 0.0 && c->kept < 1.0};
-        memcpy(t->seen.place_m, c->point, sizeof c->point);
-        memcpy(t->seen.normal, c->normal, sizeof c->normal);
-        memcpy(t->seen.friction_N, c->friction, sizeof c->friction);
+        tell_contact(set, c, &next->told[next->n_told++]);
         remember_arms(set, c, t);
     }
 }

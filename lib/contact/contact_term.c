@@ -40,6 +40,8 @@ static void pass_contact_state(network_term *term, palp_network *net, network_cu
     contact_set *set = contact_set_of_term(term);
     contact_state *now = &set->now;
     (void)net;
+    if (cursor->way == NETWORK_RESTORE)
+        now->n_told = 0;
     network_pass(cursor, &set->n_tools, sizeof set->n_tools);
     network_pass(cursor, set->tool, set->max_tools * sizeof *set->tool);
     network_pass(cursor, &now->n_tools, sizeof now->n_tools);
@@ -454,17 +456,17 @@ palp_status palp_network_tool_force(const palp_network *net, palp_tool_force *fo
 }
 
 /* The node of the network that takes most of a contact's force. */
-static int32_t main_node_of_touch(const contact_term *t, const contact_touch *touch) {
-    int32_t best = touch->node[0];
+static int32_t main_node(const contact_term *t, const contact_told *told) {
+    int32_t best = told->node[0];
     double most = -1.0;
-    for (int j = 0; j < 3 && touch->node[j] >= 0; j++) {
-        const contact corner = {.node = {touch->node[j]}};
+    for (int j = 0; j < 3 && told->node[j] >= 0; j++) {
+        const contact corner = {.node = {told->node[j]}};
         const int32_t *node;
         const double *weight;
         const size_t n = nodes_of_contact_corner(t, &corner, 0, &node, &weight);
         for (size_t i = 0; i < n; i++)
-            if (weight[i] * touch->share[j] > most) {
-                most = weight[i] * touch->share[j];
+            if (weight[i] * told->share[j] > most) {
+                most = weight[i] * told->share[j];
                 best = node[i];
             }
     }
@@ -477,11 +479,11 @@ palp_status palp_network_contacts(const palp_network *net, size_t room, palp_con
     const contact_term *t = (const contact_term *)network_find_term(net, &CONTACT);
     if (!t)
         return PALP_ERR_ARGUMENT;
-    *n = t->set.now.n_touches;
+    *n = t->set.now.n_told;
     for (size_t i = 0; i < *n && i < room; i++) {
-        const contact_touch *touch = &t->set.now.touch[i];
-        contacts[i] = touch->seen;
-        contacts[i].node = main_node_of_touch(t, touch);
+        const contact_told *told = &t->set.now.told[i];
+        contacts[i] = told->contact;
+        contacts[i].node = main_node(t, told);
         contacts[i].region = net->region_of_node ? net->region_of_node[contacts[i].node] : -1;
     }
     return PALP_OK;
