@@ -74,6 +74,16 @@ grep -q 'needs runs of spheres' err || fail "no runs: $(cat err)"
 expect 1 simulate hidden.json --protocol static --depth-mm 1 --tip sphere --tip-radius-mm 4 --tip-x-mm 90 --tip-z-mm 12 --out none.csv
 grep -q 'nothing of it is below a sphere at x = 90' err || fail "beside the network: $(cat err)"
 
+# ---- a reduced network has its regions; one with a material of its own is refused ----
+sed '/poisson_ratio/d' factor.json >reducible.json
+for depth in 2 3 4; do expect 0 simulate reducible.json --protocol static --depth-mm $depth --rate-mm-s 2 --sample-Hz 10 --out of_$depth.csv; done
+expect 0 reduce reducible.json --runs of_2.csv,of_3.csv,of_4.csv --hold-out 0.3 --out reduced.json
+for kind in reduced reducible; do expect 0 simulate $kind.json --protocol static --depth-mm 2.5 --rate-mm-s 2 --out $kind.csv; done
+near "a reduced network" "$(last reduced.csv)" "$(last reducible.csv)" 0.02
+sed '/poisson_ratio/d' material.json >own.json
+expect 1 reduce own.json --runs of_2.csv,of_3.csv --hold-out 0.5 --out none.json
+grep -q 'region with a material of its own' err || fail "reduce: $(cat err)"
+
 # ---- what is wrong ----
 wrong() { # REGIONS WORDS
     model "$1" >wrong.json
