@@ -146,18 +146,21 @@ def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800,
         return curve
 
 
-def face(nu, fine=8, limit=600, regions=()):
-    """(force pressed, force sheared, bulge at mid-face), each over the motion of the plate. regions: boxes from the cube's corner."""
+def face(nu, fine=8, limit=600, regions=(), skin=0):
+    """(force pressed, force sheared, bulge at mid-face), each over the motion of the plate. regions: boxes from the cube's corner.
+    skin: thickness of a layer of elements at the sides, for regions there."""
     fine = 2 * (int(fine) // 2)  # a node at mid-face
     points = [i / fine for i in range(fine + 1)]
+    sides = [0, skin] + points[1:-1] + [1 - skin, 1] if skin else points
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(folder, "face")
         with open(name + ".inp", "w") as f:
-            number, cell = bricks(f, points, points, points)
+            number, cell = bricks(f, sides, points, sides)
             nset(f, "FLOOR", [q for p, q in number.items() if p[1] == 0])
             nset(f, "TOP", [q for p, q in number.items() if p[1] == 2 * fine])
-            nset(f, "MIDDLE", [number[2 * fine, fine, fine]])
-            sections(f, points, points, points, cell, regions, lambda factor: "*ELASTIC\n%.12g,%.12g" % (2 * (1 + nu) * factor, nu))
+            middle = len(sides) - 1
+            nset(f, "MIDDLE", [number[2 * middle, fine, middle]])
+            sections(f, sides, points, sides, cell, regions, lambda factor: "*ELASTIC\n%.12g,%.12g" % (2 * (1 + nu) * factor, nu))
             for pressed, sheared in ((-1, 0), (0, 1)):
                 f.write("*STEP\n*STATIC\n*BOUNDARY,OP=NEW\nFLOOR,1,3\nTOP,1,1,%d\nTOP,2,2,%d\nTOP,3,3\n" % (sheared, pressed))
                 f.write("*NODE PRINT,NSET=TOP,TOTALS=ONLY\nRF\n*NODE PRINT,NSET=MIDDLE\nU\n*END STEP\n")

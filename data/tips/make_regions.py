@@ -21,10 +21,21 @@ PARTS = {
     "stiff_inclusion": (((8, 16), (8, 16), (8, 16)), 10),
     "soft_inclusion": (((8, 16), (8, 16), (8, 16)), 0.1),
     "stiff_nodule": (((8, 16), (12, 20), (8, 16)), 10),
+    "capsule": None,
 }
 
 
+def capsule(nu):
+    """Four sides of 0.25 mm, ten times as stiff: nine times that are a membrane on the block."""
+    t = 0.25 / HEIGHT
+    sides = [((0, t), (0, 1), (0, 1)), ((1 - t, 1), (0, 1), (0, 1)), ((0, 1), (0, 1), (0, t)), ((0, 1), (0, 1), (1 - t, 1))]
+    return zip(("press", "shear"), ccx_block.face(nu, 6, regions=[(s, 10) for s in sides], skin=t))
+
+
 def rows(part, nu):
+    if part == "capsule":
+        yield from capsule(nu)
+        return
     box, factor = PARTS[part]
     whole = [([[x / HEIGHT for x in limits] for limits in box], factor)] if box else []
     pressed, sheared, _ = ccx_block.face(nu, 6, regions=whole)

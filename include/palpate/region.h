@@ -15,18 +15,22 @@ typedef enum palp_region_shape {
     PALP_REGION_OF_MESH, /* the mesh has it: a named group of the volumes of a Gmsh file, or one added before
                           */
     PALP_REGION_BOX,     /* a layer is a box as wide as the mesh */
-    PALP_REGION_SPHERE
+    PALP_REGION_SPHERE,
+    PALP_REGION_MEMBRANE /* a skin without thickness on the surface, with a material of its own alone */
 } palp_region_shape;
 
-/* A region of a network or of a network model; a plain value. Where regions overlap, the later one counts. */
+/* A region of a network or of a network model; a plain value. Where regions overlap, the later one counts. A
+ * membrane is added to the tissue below: K of own_material is that of a strip 1 m wide, its modulus times its
+ * thickness, and its Poisson's ratio 1/3. */
 typedef struct palp_region {
     char name[PALP_REGION_NAME_MAX];
     palp_region_shape shape;
     double low_m[3], high_m[3];   /* opposite corners of a box */
     double centre_m[3], radius_m; /* of a sphere */
     double stiffness; /* > 0: every force of the network's own material times this; 0: own_material */
-    palp_material own_material; /* PALP_HISTORY only; scaled by the mesh as the network's material is */
-    double poisson_ratio;       /* as in palp_network_settings; 0 = that of the network */
+    palp_material own_material;     /* PALP_HISTORY only; scaled by the mesh as the network's material is */
+    char set[PALP_REGION_NAME_MAX]; /* of a membrane: triangles with all nodes in this set; "" = all */
+    double poisson_ratio;           /* as in palp_network_settings; 0 = that of the network */
 } palp_region;
 
 /* Adds a region by its shape; PALP_REGION_OF_MESH must be there already. Errors of palp_mesh_add_region, with

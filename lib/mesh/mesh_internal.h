@@ -107,6 +107,11 @@ size_t mesh_solids(const palp_mesh *mesh, size_t *corners, const int32_t **nodes
  */
 void mesh_parts_of_solids(const palp_mesh *mesh, const double *part, double *of_solid, double *volume);
 
+/* Widths of strips, m, into width[n_elements]: springs along the edges of the surface, as stiff as strips of
+ * these widths, are an isotropic membrane (Poisson's ratio 1/3) on the triangles whose nodes are all
+ * listed[n_nodes]; NULL: on all. Exact for rectangles with both diagonals, by least squares for triangles. */
+palp_status mesh_membrane_widths(const palp_mesh *mesh, const unsigned char *listed, double *width);
+
 /* Mean by volume over the solids that have both nodes of an element, or are beside the face that it crosses,
  * into of_element[n_elements]; 0 where there is none. */
 palp_status mesh_mean_around_elements(const palp_mesh *mesh, const double *of_solid, double *of_element);

@@ -49,14 +49,38 @@ static palp_status read_sphere(const palp_json *at, palp_region *region) {
     return status;
 }
 
+static palp_status read_membrane(const palp_json *at, palp_region *region) {
+    static const char *const keys[] = {"set"};
+    palp_json set;
+    const char *name = "";
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    region->shape = PALP_REGION_MEMBRANE;
+    if (!status && palp_json_member(at, "set", &set))
+        status = palp_json_string(&set, &name);
+    if (!status && strlen(name) >= PALP_REGION_NAME_MAX)
+        status = palp_json_fail(&set, PALP_ERR_INPUT, "must be shorter than %d bytes", PALP_REGION_NAME_MAX);
+    if (!status)
+        strcpy(region->set, name);
+    return status;
+}
+
 static palp_status read_shape(const palp_json *at, palp_region *region) {
-    palp_json box, sphere;
-    const bool has_box = palp_json_member(at, "box", &box),
-               has_sphere = palp_json_member(at, "sphere", &sphere);
+    static const struct {
+        const char *key;
+        palp_status (*read)(const palp_json *at, palp_region *region);
+    } shapes[] = {{"box", read_box}, {"sphere", read_sphere}, {"membrane", read_membrane}};
+    palp_json shape;
+    palp_status status = PALP_OK;
+    bool any = false;
     region->shape = PALP_REGION_OF_MESH;
-    if (has_box && has_sphere)
-        return palp_json_fail(&sphere, PALP_ERR_INPUT, "does not go with a box");
-    return has_box ? read_box(&box, region) : has_sphere ? read_sphere(&sphere, region) : PALP_OK;
+    for (size_t i = 0; i < COUNT(shapes) && !status; i++) {
+        if (!palp_json_member(at, shapes[i].key, &shape))
+            continue;
+        status = any ? palp_json_fail(&shape, PALP_ERR_INPUT, "does not go with another shape")
+                     : shapes[i].read(&shape, region);
+        any = true;
+    }
+    return status;
 }
 
 static palp_status read_region_material(const palp_json *at, const palp_model *model, palp_region *region) {
@@ -81,6 +105,10 @@ static palp_status read_region_stiffness(const palp_json *at, const palp_model *
     palp_status status = PALP_OK;
     if (has_factor == has_material)
         return palp_json_fail(at, PALP_ERR_INPUT, "needs either stiffness_factor or material");
+    if (region->shape == PALP_REGION_MEMBRANE &&
+        (has_factor || palp_json_member(at, "poisson_ratio", &ratio)))
+        return palp_json_fail(at, PALP_ERR_INPUT,
+                              "is a membrane: it needs a material, and has no Poisson's ratio");
     status = has_factor ? palp_json_positive(&factor, &region->stiffness)
                         : read_region_material(&material, model, region);
     if (!status && palp_json_member(at, "poisson_ratio", &ratio))
@@ -89,7 +117,7 @@ static palp_status read_region_stiffness(const palp_json *at, const palp_model *
 }
 
 static palp_status read_region(const palp_json *at, const palp_model *model, palp_region *region) {
-    static const char *const keys[] = {"name",     "box",          "sphere", "stiffness_factor",
+    static const char *const keys[] = {"name",     "box",          "sphere", "membrane", "stiffness_factor",
                                        "material", "poisson_ratio"};
     palp_json name;
     const char *text = "";
@@ -134,7 +162,9 @@ static bool are_finite(size_t n, const double *value) {
 
 static bool is_region_valid(const palp_model *model, const palp_region *r) {
     const bool named = memchr(r->name, '\0', PALP_REGION_NAME_MAX) && r->name[0];
-    bool shape = r->shape == PALP_REGION_OF_MESH;
+    bool shape = r->shape == PALP_REGION_OF_MESH ||
+                 (r->shape == PALP_REGION_MEMBRANE && memchr(r->set, '\0', PALP_REGION_NAME_MAX) &&
+                  r->stiffness == 0 && r->poisson_ratio == 0);
     if (r->shape == PALP_REGION_BOX)
         shape = are_finite(3, r->low_m) && are_finite(3, r->high_m) && r->high_m[0] > r->low_m[0] &&
                 r->high_m[1] > r->low_m[1] && r->high_m[2] > r->low_m[2];

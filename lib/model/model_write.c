@@ -68,7 +68,8 @@ static palp_status check_model_before_write(const palp_model *model, palp_error 
     if (!is_specimen_shape_valid(model))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "the model's specimen or mesh is out of range");
     for (size_t r = 0; model->kind == PALP_MODEL_NETWORK && r < model->mesh->n_regions; r++)
-        if (!palp_text_is_utf8(model->mesh->regions[r].name))
+        if ((!palp_text_is_utf8(model->mesh->regions[r].name) ||
+             !palp_text_is_utf8(model->mesh->regions[r].set)))
             return palp_error_set(error, PALP_ERR_ARGUMENT, "the name of a region is not UTF-8");
     palp_status status = palp_material_check(&model->material, error);
     if (!status)
@@ -328,6 +329,12 @@ static palp_status print_one_region(const writer *w, const palp_region *region) 
     } else if (region->shape == PALP_REGION_SPHERE) {
         print_place(w, ", \"sphere\": {\"centre_mm\": [", region->centre_m);
         print_length_in_mm(w, ", \"radius_mm\": ", region->radius_m);
+        fputc('}', w->stream);
+    }
+    if (region->shape == PALP_REGION_MEMBRANE) {
+        fputs(", \"membrane\": {", w->stream);
+        if (!status && region->set[0])
+            status = print_json_text(w, "\"set\": ", region->set);
         fputc('}', w->stream);
     }
     if (region->stiffness > 0)

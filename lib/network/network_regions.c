@@ -74,7 +74,8 @@ static palp_status find_inside(const palp_network *net, size_t of, double *insid
     if (!left)
         return PALP_ERR_NO_MEMORY;
     for (size_t r = of; r < net->n_regions; r++)
-        if (!palp_mesh_region(net->mesh, net->region[r].given.name, &part))
+        if (net->region[r].given.shape != PALP_REGION_MEMBRANE &&
+            !palp_mesh_region(net->mesh, net->region[r].given.name, &part))
             for (size_t i = 0; i < net->mesh->n_tetrahedra; i++)
                 left[i] = r == of ? part[i] : left[i] * (1.0 - part[i]);
     mesh_parts_of_solids(net->mesh, left, inside, NULL);
@@ -140,6 +141,8 @@ static palp_status find_shares(palp_network *net, double *factor) {
         status = mesh_mean_around_elements(net->mesh, stiffness, factor);
     for (size_t r = 0; r <= net->n_regions && net->base_share && !status; r++) {
         double *share = r < net->n_regions ? net->region[r].share : net->base_share;
+        if (r < net->n_regions && net->region[r].given.shape == PALP_REGION_MEMBRANE)
+            continue;
         for (size_t i = 0; i < n && share; i++) {
             stiffness_of_solid(net, ratio, i, &sum);
             double part = part_of_solid(net, r, i);
@@ -203,8 +206,11 @@ palp_status network_take_regions(palp_network *net, palp_error *error) {
         palp_status status = check_region(net, &given[r], error);
         if (status)
             return status;
-        if (palp_mesh_region(net->mesh, given[r].name, &part))
+        if (given[r].shape != PALP_REGION_MEMBRANE && palp_mesh_region(net->mesh, given[r].name, &part))
             return palp_error_set(error, PALP_ERR_INPUT, "the mesh has no region \"%s\"", given[r].name);
+        if (given[r].shape == PALP_REGION_MEMBRANE && given[r].set[0] &&
+            palp_mesh_set(net->mesh, given[r].set, &(size_t){0}, &(const int32_t *){NULL}))
+            return palp_error_set(error, PALP_ERR_INPUT, "the mesh has no node set \"%s\"", given[r].set);
         region->given = given[r];
         region->inside = arena_take(&net->memory, n_solids, sizeof *region->inside);
         if (given[r].stiffness == 0.0) {
@@ -213,7 +219,7 @@ palp_status network_take_regions(palp_network *net, palp_error *error) {
         }
     }
     for (size_t r = 0; r < net->n_regions && !net->memory.failed; r++)
-        if (find_inside(net, r, net->region[r].inside))
+        if (net->region[r].given.shape != PALP_REGION_MEMBRANE && find_inside(net, r, net->region[r].inside))
             return PALP_ERR_NO_MEMORY;
     if (net->n_regions > 0)
         net->stiffer = arena_take(&net->memory, net->n_nodes, sizeof *net->stiffer);
@@ -228,11 +234,33 @@ palp_status network_take_regions(palp_network *net, palp_error *error) {
     return net->n_regions > 0 ? find_regions_of_nodes(net) : PALP_OK;
 }
 
+/* Its share of each element's force, which all have the element's factor. */
+static palp_status add_membrane(palp_network *net, network_region *region) {
+    const char *set = region->given.set;
+    const int32_t *node = NULL;
+    size_t n = 0;
+    unsigned char *listed = set[0] ? calloc(net->n_nodes, 1) : NULL;
+    if (set[0] && !listed)
+        return PALP_ERR_NO_MEMORY;
+    palp_status status = set[0] ? palp_mesh_set(net->mesh, set, &n, &node) : PALP_OK;
+    for (size_t i = 0; i < n; i++)
+        listed[node[i]] = 1;
+    if (!status)
+        status = mesh_membrane_widths(net->mesh, listed, region->share);
+    for (size_t i = 0; i < net->n_elements && !status; i++)
+        region->share[i] /= net->scale[i];
+    free(listed);
+    return status;
+}
+
 palp_status network_scale_elements(palp_network *net) {
     const double *scale = palp_mesh_element_scale(net->mesh);
     palp_status status = net->n_regions > 0 ? find_shares(net, net->scale) : PALP_OK;
     for (size_t i = 0; i < net->n_elements && scale && !status; i++)
         net->scale[i] = scale[i] * (net->n_regions > 0 ? net->scale[i] : 1.0);
+    for (size_t r = 0; r < net->n_regions && !status; r++)
+        if (net->region[r].given.shape == PALP_REGION_MEMBRANE)
+            status = add_membrane(net, &net->region[r]);
     if (!status && net->base_share)
         list_materials_of_chunks(net);
     return status;
@@ -242,6 +270,8 @@ void network_find_units(palp_network *net) {
     const double *scale = palp_mesh_element_scale(net->mesh);
     double stiffness[PALP_REGIONS_MAX + 1];
     network_stiffnesses(net, 0.0, true, stiffness);
+    for (size_t r = 0; r < net->n_regions; r++) /* a membrane hardly changes how the tissue below gives way */
+        stiffness[r + 1] *= net->region[r].given.shape != PALP_REGION_MEMBRANE;
     memset(net->unit, 0, net->n_nodes * sizeof *net->unit);
     for (size_t i = 0; i < 2 * net->n_elements;
          i++) { /* a third of the trace of a node's block of the tangent */

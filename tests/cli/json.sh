@@ -115,9 +115,10 @@ cat >regions.json <<J
  {"name": "nodule", "sphere": {"centre_mm": [12, 14, 12], "radius_mm": 6}, "stiffness_factor": 4, "poisson_ratio": 0.45},
  {"name": "a", "box": {"low_mm": [0, 0, 0], "high_mm": [4, 4, 4]}, "material": {"stiffness": {"kind": "polynomial", "coefficients_N": [9], "strain_max": 0.4}, $arm}},
  {"name": "b", "box": {"low_mm": [4, 0, 0], "high_mm": [8, 4, 4]}, "material": {"stiffness": {"kind": "neo_hookean", "coefficients_Pa": [3000]}}},
- {"name": "c", "box": {"low_mm": [8, 0, 0], "high_mm": [12, 4, 4]}, "material": {"stiffness": {"kind": "spline", "strain": [0, 0.4], "stiffness_N": [5, 6]}}}]}
+ {"name": "c", "box": {"low_mm": [8, 0, 0], "high_mm": [12, 4, 4]}, "material": {"stiffness": {"kind": "spline", "strain": [0, 0.4], "stiffness_N": [5, 6]}}},
+ {"name": "d", "membrane": {"set": "top"}, "material": {"stiffness": {"kind": "polynomial", "coefficients_N": [100]}}}]}
 J
-sed '/"name": "[abc]"/d; s/"poisson_ratio": 0.45},/"poisson_ratio": 0.45}]}/' regions.json >nodule.json
+sed '/"name": "[abcd]"/d; s/"poisson_ratio": 0.45},/"poisson_ratio": 0.45}]}/' regions.json >nodule.json
 expect 0 simulate regions.json --protocol static --depth-mm 1
 expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 2 --sample-Hz 2 --tip sphere --tip-radius-mm 6 --tip-x-mm 12 --tip-z-mm 11 --out tip_at.csv
 expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 2 --sample-Hz 2 --out tip_no.csv

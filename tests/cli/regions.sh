@@ -29,6 +29,8 @@ plain=$(press plain) stiff=$(press factor)
 near "a material that is a factor" "$(press material)" "$stiff" 1e-9
 awk -v p="$plain" -v s="$stiff" -v c="$(press soft)" 'BEGIN { exit !(s > 1.1 * p && c < 0.95 * p) }' || fail "stiff $stiff, plain $plain"
 press both >/dev/null
+model '{"name": "capsule", "membrane": {}, "material": {"stiffness": {"kind": "polynomial", "coefficients_N": [170]}}}' >capsule.json
+awk -v p="$plain" -v s="$(press capsule)" 'BEGIN { exit !(s > 1.1 * p) }' || fail "a capsule of no effect"
 sed 's/"model": 2/"model": 1/' plain.json >old.json
 near "a file of version 1" "$(press old)" "$plain" 1e-12
 
@@ -99,6 +101,8 @@ wrong '{"name": "a", "box": {"low_mm": [0, 5, 0], "high_mm": [9, 5, 9]}, "stiffn
 wrong '{"name": "a", "sphere": {"centre_mm": [0, 5], "radius_mm": 3}, "stiffness_factor": 2}' 'must be three coordinates'
 wrong '{"name": "a", "sphere": {"centre_mm": [90, 5, 5], "radius_mm": 3}, "stiffness_factor": 2}' 'no part of the mesh is in the region "a"'
 wrong '{"name": "a", "stiffness_factor": 2}' 'no group of volumes called "a"'
+wrong '{"name": "a", "membrane": {}, "stiffness_factor": 2}' 'is a membrane'
+wrong '{"name": "a", "membrane": {"set": "nowhere"}, "material": {"stiffness": {"kind": "polynomial", "coefficients_N": [9]}}}' 'no node set "nowhere"'
 wrong "$skin, $skin" 'has the name of another region'
 wrong '{"name": "a", "stiffness_factor": 2, "colour": 1}' 'colour'
 done_testing
