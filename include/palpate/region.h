@@ -33,8 +33,8 @@ typedef struct palp_region {
     double poisson_ratio;           /* as in palp_network_settings; 0 = that of the network */
 } palp_region;
 
-/* Adds a region by its shape; PALP_REGION_OF_MESH must be there already. Errors of palp_mesh_add_region, with
- * a line in error, which may be NULL. */
+/* Adds a region by its shape; PALP_REGION_OF_MESH, and the set of a membrane, must be there already. Errors
+ * of palp_mesh_add_region, with a line in error, which may be NULL. */
 PALP_API palp_status palp_region_place_in(palp_mesh *mesh, const palp_region *region, palp_error *error);
 
 #ifdef __cplusplus

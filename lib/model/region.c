@@ -27,8 +27,10 @@ palp_status palp_region_place_in(palp_mesh *mesh, const palp_region *region, pal
         return palp_error_null(error);
     palp_region shape = *region; /* places have no const user */
     palp_status status = PALP_OK;
-    if (region->shape == PALP_REGION_MEMBRANE)
-        return PALP_OK; /* it has no volume */
+    if (region->shape == PALP_REGION_MEMBRANE) /* it has no volume */
+        return region->set[0] && palp_mesh_set(mesh, region->set, &(size_t){0}, &(const int32_t *){NULL})
+                   ? palp_error_set(error, PALP_ERR_INPUT, "the mesh has no node set \"%s\"", region->set)
+                   : PALP_OK;
     if (region->shape != PALP_REGION_OF_MESH)
         status = palp_mesh_add_region(mesh, region->name,
                                       region->shape == PALP_REGION_BOX ? is_in_box : is_in_sphere, &shape);
