@@ -7,14 +7,20 @@
 static const double PI = 3.14159265358979323846;
 
 static palp_region box_of(double low_y, double high_y) {
-    return (palp_region){"box", PALP_REGION_BOX, {-1, low_y, -1}, {1, high_y, 1}, {0}, 0, 1, {.n_arms = 0},
-                         0};
+    return (palp_region){.name = "box",
+                         .shape = PALP_REGION_BOX,
+                         .low_m = {-1, low_y, -1},
+                         .high_m = {1, high_y, 1},
+                         .stiffness = 1};
 }
 
 static palp_region ball_of(double radius_m) {
     const double middle = 0.5 * HEIGHT;
-    return (palp_region){"ball", PALP_REGION_SPHERE, {0}, {0}, {middle, middle, middle}, radius_m,
-                         1,      {.n_arms = 0},      0};
+    return (palp_region){.name = "ball",
+                         .shape = PALP_REGION_SPHERE,
+                         .centre_m = {middle, middle, middle},
+                         .radius_m = radius_m,
+                         .stiffness = 1};
 }
 
 static const double *part_of(palp_mesh *mesh, const palp_region *region) {
