@@ -158,6 +158,9 @@ PALP_API const palp_mesh *palp_network_mesh(const palp_network *network); /* as 
  * corner c is at x = c & 1, y = c >> 1 & 1, z = c >> 2. */
 PALP_API double palp_network_volume_solids(const palp_network *network, size_t *n, size_t *corners,
                                            const int32_t **nodes);
+/* [n_elements] factor of each element's force: the mesh's times that of its regions, 0 of one that is cut;
+ * NULL = all 1. The network's. */
+PALP_API const double *palp_network_element_scale(const palp_network *network);
 /* element forces, tension positive, into force_N[n_elements] */
 PALP_API void palp_network_element_force(const palp_network *network, double *force_N);
 

@@ -301,6 +301,10 @@ const palp_mesh *palp_network_mesh(const palp_network *net) {
     return net ? net->mesh : NULL;
 }
 
+const double *palp_network_element_scale(const palp_network *net) {
+    return net ? net->scale : NULL;
+}
+
 void palp_network_element_force(const palp_network *net, double *force_N) {
     if (!net || !force_N)
         return;

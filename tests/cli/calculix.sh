@@ -36,6 +36,15 @@ near "box of 30 mm at 6 mm" "$(awk '!/force/ && NF == 3 { f = -$2 } END { print 
 expect 0 export spline.json --depth-mm 6
 cmp -s out box.inp || fail "standard output differs from --out"
 
+# A region that is stiffer, and does not end at nodes.
+sed 's/"mesh"/"regions": [{"name": "nodule", "sphere": {"centre_mm": [9, 14, 11], "radius_mm": 8}, "stiffness_factor": 6}], "mesh"/' spline.json >region.json
+expect 0 simulate region.json --protocol static --depth-mm 6 --relaxed --json
+stiffer=$(value out final_force_N)
+awk -v a="$stiffer" -v b="$ours" 'BEGIN { exit !(a > 1.1 * b) }' || fail "a region of no effect: $stiffer"
+expect 0 export region.json --depth-mm 6 --out region.inp
+ccx -i region >region.log 2>&1 || fail "ccx region"
+near "box with a stiff region" "$(awk '!/force/ && NF == 3 { f = -$2 } END { print f }' region.dat)" "$stiffer" 1e-4
+
 # With Poisson's ratio. A tetrahedron's volume is that of CalculiX. A cell's is the mean over it, and at its middle in CalculiX, which
 # differs where cells bend: at 5 nodes a side by 0.4 % of the force at a strain of 0.1, by 1.1 % at 0.2.
 solid() { # name, file, depth in mm, tolerance

@@ -52,7 +52,7 @@ near "force of the network" "$(last network.csv)" "$(last lumped.csv)" 0.01
 expect 1 calibrate --check factor.json
 grep -q 'has regions' err || fail "check: $(cat err)"
 expect 1 export factor.json --depth-mm 1 --out deck.inp
-grep -q 'has regions' err || fail "export: $(cat err)"
+grep -q 'only their stiffness_factor can be exported' err || fail "export: $(cat err)"
 
 # ---- calibrate: the stiffness of a region, from spheres over it and beside it, and the plate ----
 model "{\"name\": \"nodule\", \"sphere\": {\"centre_mm\": [7, 15, 12], \"radius_mm\": 6}, \"stiffness_factor\": 5}" >hidden.json

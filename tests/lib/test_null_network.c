@@ -152,6 +152,7 @@ START_TEST(null_in_network) {
     REFUSED(palp_network_set_velocities(NULL, numbers));
     REFUSED(palp_network_set_velocities(net, NULL));
     NOTHING(!palp_network_velocities(NULL));
+    NOTHING(!palp_network_element_scale(NULL));
     NOTHING(palp_network_settings_of_model(NULL).tolerance > 0.0);
     REFUSED(palp_network_reaction(NULL, text, numbers));
     REFUSED(palp_network_reaction(net, NULL, numbers));

@@ -63,8 +63,8 @@ static int by_length(const void *left, const void *right) {
     return p->a != q->a ? (p->a > q->a) - (p->a < q->a) : (p->b > q->b) - (p->b < q->b);
 }
 
-static spring *springs(const palp_mesh *mesh, size_t n) {
-    const double *x = palp_mesh_positions(mesh), *factor = palp_mesh_element_scale(mesh);
+static spring *springs(const palp_mesh *mesh, const double *factor, size_t n) {
+    const double *x = palp_mesh_positions(mesh);
     const int32_t *pairs = palp_mesh_pairs(mesh);
     spring *list = malloc(n * sizeof *list);
     for (size_t i = 0; list && i < n; i++) {
@@ -99,7 +99,7 @@ static void write_table(const calculix_deck *deck, const double *strain, const d
 static palp_status write_springs(const calculix_deck *deck, FILE *to) {
     double strain[HALF_MAX], force_N[HALF_MAX];
     size_t half = deck->table_points / 2, n = palp_mesh_element_count(deck->mesh), group = 0;
-    spring *list = springs(deck->mesh, n);
+    spring *list = springs(deck->mesh, deck->factor, n);
     if (!list)
         return PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i <= half; i++)

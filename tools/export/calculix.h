@@ -13,6 +13,7 @@ enum { CALCULIX_POINTS_MAX = 199 };
 
 typedef struct calculix_deck {
     const palp_mesh *mesh;
+    const double *factor; /* of each element's force, or NULL: palp_network_element_scale */
     const palp_law *law;
     const char *model;        /* its name, for the heading */
     double volume_modulus_Pa; /* of the solids below, or 0: palp_network_volume_solids */

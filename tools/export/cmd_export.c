@@ -92,6 +92,7 @@ static int write_deck(const export_options *o, const palp_model *model, const ch
                           .height_m = high[1] - low[1],
                           .step_strain = o->step_strain,
                           .table_points = o->points - (o->points % 2 == 0)};
+    deck.factor = palp_network_element_scale(network);
     deck.volume_modulus_Pa = palp_network_volume_solids(network, &deck.n_solids, &deck.corners, &deck.solids);
     int code = presses(o, path, &deck, depth_m);
     if (code == CLI_OK)
@@ -121,8 +122,13 @@ int cmd_export(int argc, char **argv) {
                          &model, &source);
     if (code)
         return code;
-    if (source.n_regions > 0)
-        return cli_failure("export", "%s: has regions, which a deck of springs cannot have yet", path);
+    for (size_t r = 0; r < source.n_regions; r++)
+        if (source.regions[r].stiffness == 0 || source.regions[r].poisson_ratio > 0 ||
+            model.poisson_ratio > 0 || model.volume_modulus_Pa > 0)
+            return cli_failure("export",
+                               "%s: its regions have materials of their own or a Poisson's ratio; only their "
+                               "stiffness_factor can be exported",
+                               path);
     palp_network *network = NULL;
     palp_status status = palp_model_mesh(&model, &mesh, &error);
     model.n_effects = 0; /* the deck is of the plain network */
