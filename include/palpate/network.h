@@ -101,7 +101,8 @@ PALP_API palp_status palp_network_from_model(const palp_model *model, const palp
 PALP_API void palp_network_reset(palp_network *network);
 
 /* Gives the network another material, regions with one of their own excepted, and resets it. ERR_ARGUMENT:
- * see palp_material_check; ERR_NO_MEMORY: the network stays as it was. */
+ * see palp_material_check, or beside such regions a law without stiffness at rest; ERR_UNSUPPORTED:
+ * PALP_SEDEF2008 beside such regions; ERR_NO_MEMORY. After an error the network stays as it was. */
 PALP_API palp_status palp_network_set_material(palp_network *network, const palp_material *material);
 
 /* One step to depth_m after dt_s seconds (INFINITY = fully relaxed). try leaves the result as a

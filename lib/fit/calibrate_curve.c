@@ -23,8 +23,9 @@ static bool grow(double **array, size_t n) {
 
 static palp_status reserve(force_curve *c, const palp_network *net, size_t n) {
     c->n_parameters = net->material.law.n;
-    if (net->base_share && network_has_volume(net)) /* part of it does not follow the law */
-        return PALP_ERR_UNSUPPORTED;
+    for (size_t r = 0; r < net->n_regions && network_has_volume(net); r++)
+        if (net->region[r].share && net->region[r].given.shape != PALP_REGION_MEMBRANE)
+            return PALP_ERR_UNSUPPORTED; /* part of the volume's forces does not follow the law */
     if (!c->weight && !grow(&c->weight, net->n_elements))
         return PALP_ERR_NO_MEMORY;
     if (n <= c->capacity)

@@ -251,6 +251,8 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
     bool vector = material->formulation == PALP_SEDEF2008 && material->n_arms > 0;
     if (net->base_share && material->formulation != PALP_HISTORY)
         return PALP_ERR_UNSUPPORTED;
+    if (!network_may_have_material(net, material))
+        return PALP_ERR_ARGUMENT;
     bool same = material->n_arms == net->material.n_arms && vector == (net->now.vector != NULL) &&
                 material->quasi_linear == net->material.quasi_linear;
     palp_material old = net->material;

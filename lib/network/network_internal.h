@@ -174,6 +174,9 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
  * line in error. */
 palp_status network_take_regions(palp_network *net, palp_error *error);
 
+/* Do the regions allow this as the network's own material? */
+bool network_may_have_material(const palp_network *net, const palp_material *material);
+
 /* Sets scale, where there is one, and the shares of materials. */
 palp_status network_scale_elements(palp_network *net);
 

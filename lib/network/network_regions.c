@@ -43,9 +43,20 @@ double network_mean_of_materials(const palp_network *net, size_t element,
     return sum;
 }
 
+static bool has_stiffness_at_rest(const palp_material *material) {
+    double stiffness = 0.0;
+    palp_law_stiffness(&material->law, 0.0, &stiffness, NULL);
+    return stiffness > 0.0;
+}
+
+bool network_may_have_material(const palp_network *net, const palp_material *material) {
+    return !net->base_share || has_stiffness_at_rest(material);
+}
+
 static palp_status check_region(const palp_network *net, const palp_region *r, palp_error *error) {
     const double ratio = r->poisson_ratio;
-    if (!memchr(r->name, '\0', PALP_REGION_NAME_MAX) || !(r->stiffness >= 0.0) || !isfinite(r->stiffness))
+    if (!memchr(r->name, '\0', PALP_REGION_NAME_MAX) || !memchr(r->set, '\0', PALP_REGION_NAME_MAX) ||
+        !(r->stiffness >= 0.0) || !isfinite(r->stiffness))
         return palp_error_set(error, PALP_ERR_ARGUMENT,
                               "a region's name is too long or its stiffness is < 0");
     if (ratio != 0.0 && !(ratio >= 0.25 && ratio < 0.5 && net->settings.volume_modulus_Pa == 0.0))
@@ -60,11 +71,12 @@ static palp_status check_region(const palp_network *net, const palp_region *r, p
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
                               "region \"%s\": a material of its own needs the formulation \"history\"",
                               r->name);
-    double stiffness;
-    palp_law_stiffness(&net->material.law, 0.0, &stiffness, NULL);
-    if (!(stiffness > 0.0)) /* stiffnesses are told as multiples of it */
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "regions need a law with stiffness at rest");
-    return palp_material_check(&r->own_material, error);
+    palp_status status = palp_material_check(&r->own_material, error);
+    if (!status && (!has_stiffness_at_rest(&net->material) || !has_stiffness_at_rest(&r->own_material)))
+        status =
+            palp_error_set(error, PALP_ERR_ARGUMENT, /* stiffnesses are told as multiples */
+                           "region \"%s\": a material of its own needs laws with stiffness at rest", r->name);
+    return status;
 }
 
 /* The part of each solid in this region, without what later regions have of it. */

@@ -408,15 +408,20 @@ START_TEST(what_is_refused) {
     palp_supports_default(supports);
     const palp_region good = nodule(2.0);
     ck_assert_int_eq(palp_region_place_in(mesh, &good, NULL), PALP_OK);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 7; i++) {
         static const palp_status WANTED[] = {PALP_OK,           PALP_ERR_INPUT,       PALP_ERR_ARGUMENT,
-                                             PALP_ERR_ARGUMENT, PALP_ERR_UNSUPPORTED, PALP_ERR_ARGUMENT};
+                                             PALP_ERR_ARGUMENT, PALP_ERR_UNSUPPORTED, PALP_ERR_ARGUMENT,
+                                             PALP_ERR_ARGUMENT};
         palp_network_settings settings = palp_network_settings_default();
         palp_region r = i == 4 ? with_material(good, &sedef, 1.0) : good;
         palp_network *net = NULL;
         palp_error error = {PALP_OK, ""};
         if (i == 1)
             strcpy(r.name, "tumour");
+        if (i == 6) {
+            r = with_material(good, &m, 1.0);
+            r.own_material.law.coefficients[0] = 0.0;
+        }
         r.stiffness = i == 2 ? -1.0 : r.stiffness;
         r.poisson_ratio = i == 3 ? 0.2 : 0.0;
         settings.n_regions = i == 5 ? PALP_REGIONS_MAX + 1 : 1;
