@@ -107,8 +107,8 @@ PALP_API palp_status palp_model_write(const palp_model *model, const char *path,
 PALP_API palp_status palp_model_format(const palp_model *model, char **json);
 
 /* The mesh of a network model with its regions, a lattice made or a file read; the caller owns it.
- * ERR_ARGUMENT: a lumped
- * model, or one without its source; ERR_LIMIT: folder and path are too long together. */
+ * ERR_ARGUMENT: a lumped model, or one without its source; ERR_LIMIT: folder and path are too long together.
+ */
 PALP_API palp_status palp_model_mesh(const palp_model *model, palp_mesh **mesh, palp_error *error);
 
 #ifdef __cplusplus

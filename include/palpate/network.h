@@ -124,7 +124,8 @@ PALP_API palp_status palp_network_step_force(palp_network *network, double force
 
 /* Forces on nodes, force_N[3 n], from the next step until the next call, or until a reset; other nodes have
  * none, and a node that is listed twice has the sum. On supported axes the support carries them. The first
- * call allocates (n may be 0). ERR_ARGUMENT: no such node, a number that is not finite; ERR_NO_MEMORY. */
+ * call allocates (n may be 0): make it before palp_realtime_create. ERR_ARGUMENT: no such node, a number that
+ * is not finite; ERR_NO_MEMORY. */
 PALP_API palp_status palp_network_set_forces(palp_network *network, size_t n, const int32_t *nodes,
                                              const double *force_N);
 

@@ -85,7 +85,7 @@ typedef struct contact_touch {
     double elastic, arm[PALP_ARMS_MAX]; /* N, of a contact that relaxes: its arms have these parts of it */
 } contact_touch;
 
-/* What a contact is told to be. */
+/* What palp_network_contacts says of a contact. */
 typedef struct contact_told {
     palp_contact contact; /* without node and region */
     int32_t node[3];

@@ -349,18 +349,30 @@ contact_set *contact_of(const palp_network *net) {
     return term ? contact_set_of_term(term) : NULL;
 }
 
-/* The material of the tissue around each point that tools touch, of its node of the largest weight. */
+/* The node of the network that takes most of a contact's force. */
+static int32_t main_node(const contact_term *t, const contact_told *told) {
+    int32_t best = told->node[0];
+    double most = -1.0;
+    for (int j = 0; j < 3 && told->node[j] >= 0; j++) {
+        const contact corner = {.node = {told->node[j]}};
+        const int32_t *node;
+        const double *weight;
+        const size_t n = nodes_of_contact_corner(t, &corner, 0, &node, &weight);
+        for (size_t i = 0; i < n; i++)
+            if (weight[i] * told->share[j] > most) {
+                most = weight[i] * told->share[j];
+                best = node[i];
+            }
+    }
+    return best;
+}
+
+/* The material of the tissue around each point that tools touch. */
 static unsigned char *materials_of_points(contact_term *t, const palp_network *net) {
     unsigned char *material = arena_take(&t->term.memory, t->set.n_nodes, sizeof *material);
     for (size_t i = 0; i < t->set.n_nodes && material && !t->term.memory.failed; i++) {
-        const contact point = {.node = {(int32_t)i}};
-        const int32_t *node;
-        const double *weight;
-        size_t nearest = 0;
-        const size_t n = nodes_of_contact_corner(t, &point, 0, &node, &weight);
-        for (size_t k = 1; k < n; k++)
-            nearest = weight[k] > weight[nearest] ? k : nearest;
-        const int region = net->region_of_node[node[nearest]];
+        const contact_told point = {.node = {(int32_t)i, -1, -1}, .share = {1.0}};
+        const int region = net->region_of_node[main_node(t, &point)];
         material[i] = region >= 0 && net->region[region].share ? (unsigned char)(region + 1) : 0;
     }
     return material;
@@ -453,24 +465,6 @@ palp_status palp_network_tool_force(const palp_network *net, palp_tool_force *fo
     for (size_t i = 0; i < set->n_tools; i++)
         force[i] = i < set->now.n_tools ? set->now.felt[i] : (palp_tool_force){.contacts = 0};
     return PALP_OK;
-}
-
-/* The node of the network that takes most of a contact's force. */
-static int32_t main_node(const contact_term *t, const contact_told *told) {
-    int32_t best = told->node[0];
-    double most = -1.0;
-    for (int j = 0; j < 3 && told->node[j] >= 0; j++) {
-        const contact corner = {.node = {told->node[j]}};
-        const int32_t *node;
-        const double *weight;
-        const size_t n = nodes_of_contact_corner(t, &corner, 0, &node, &weight);
-        for (size_t i = 0; i < n; i++)
-            if (weight[i] * told->share[j] > most) {
-                most = weight[i] * told->share[j];
-                best = node[i];
-            }
-    }
-    return best;
 }
 
 palp_status palp_network_contacts(const palp_network *net, size_t room, palp_contact *contacts, size_t *n) {

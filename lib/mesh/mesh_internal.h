@@ -107,6 +107,12 @@ size_t mesh_solids(const palp_mesh *mesh, size_t *corners, const int32_t **nodes
  */
 void mesh_parts_of_solids(const palp_mesh *mesh, const double *part, double *of_solid, double *volume);
 
+/* Each of n springs in turn takes the factor, none below its least, by which least is missing of the wanted
+ * stiffness. tensor[components n]: of each spring with factor 1; count: how often each component occurs. The
+ * squares of a spring's tensor add up to those of its length. */
+void mesh_sweep_factors(size_t n, size_t components, const double *count, const double *tensor,
+                        const double *length, const double *least, double *factor, double *missing);
+
 /* Widths of strips, m, into width[n_elements]: springs along the edges of the surface, as stiff as strips of
  * these widths, are an isotropic membrane (Poisson's ratio 1/3) on the triangles whose nodes are all
  * listed[n_nodes]; NULL: on all. Exact for rectangles with both diagonals, by least squares for triangles. */

@@ -37,11 +37,11 @@ static void normal_of(const palp_mesh *mesh, const int32_t *t, double normal[3],
 }
 
 /* Adds the spring between two nodes, in the frame of the first edge and the normal. */
-static bool add_spring(const palp_mesh *mesh, int32_t a, int32_t b, double frame[2][3], patch *p) {
+static void add_spring(const palp_mesh *mesh, int32_t a, int32_t b, double frame[2][3], patch *p) {
     const size_t e = palp_mesh_element_between(mesh, a, b);
     double n[3], along[2] = {0.0};
     if (e == mesh->n_elements)
-        return false;
+        return;
     p->element[p->n] = e;
     p->length[p->n] = mesh_direction(mesh, (int32_t[]){a, b}, n);
     for (int i = 0; i < 2; i++)
@@ -50,7 +50,6 @@ static bool add_spring(const palp_mesh *mesh, int32_t a, int32_t b, double frame
     for (int j = 0; j < QUARTIC; j++)
         p->tensor[p->n][j] = p->length[p->n] * pow(along[0], QUARTIC - 1 - j) * pow(along[1], j);
     p->n++;
-    return true;
 }
 
 static void make_frame(const palp_mesh *mesh, const int32_t *t, const double normal[3], double frame[2][3]) {
@@ -63,6 +62,7 @@ static void make_frame(const palp_mesh *mesh, const int32_t *t, const double nor
 /* Least squares of the patch's stiffness less the membrane's by positive widths, then all by one factor so
  * that an even stretch takes the membrane's energy. */
 static void fit_widths(patch *p) {
+    static const double least[SPRINGS] = {0.0};
     double missing[QUARTIC], sum = 0.0;
     for (size_t i = 0; i < p->n; i++)
         sum += p->length[i];
@@ -74,15 +74,7 @@ static void fit_widths(patch *p) {
             missing[j] -= p->width[i] * p->tensor[i][j];
     }
     for (int sweep = 0; sweep < SWEEPS; sweep++)
-        for (size_t i = 0; i < p->n; i++) {
-            double slope = 0.0;
-            for (int j = 0; j < QUARTIC; j++)
-                slope += times[j] * p->tensor[i][j] * missing[j];
-            const double width = fmax(0.0, p->width[i] + slope / (p->length[i] * p->length[i]));
-            for (int j = 0; j < QUARTIC; j++)
-                missing[j] -= (width - p->width[i]) * p->tensor[i][j];
-            p->width[i] = width;
-        }
+        mesh_sweep_factors(p->n, QUARTIC, times, p->tensor[0], p->length, least, p->width, missing);
     sum = 0.0;
     for (size_t i = 0; i < p->n; i++)
         sum += p->width[i] * p->length[i];
@@ -91,7 +83,7 @@ static void fit_widths(patch *p) {
 }
 
 /* The triangle across edge k of triangle t that lies in its plane, if their opposite corners are joined;
- * n_triangles if there is none. edge[3 n_triangles]: the triangle across each edge. */
+ * n_triangles if there is none. */
 static size_t other_half(const palp_mesh *mesh, const size_t *across, size_t t, int k, int32_t *corner) {
     const size_t other = across[3 * t + (size_t)k];
     double normal[2][3], area, cosine = 0.0;

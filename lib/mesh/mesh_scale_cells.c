@@ -126,17 +126,17 @@ static double square_of(const double *tensor) {
     return sum;
 }
 
-/* Each element in turn takes the factor by which least is missing: the squares of a tensor add up to those of
- * its length. */
-static void sweep(cell *c, double missing[QUARTIC]) {
-    for (size_t i = 0; i < PAIRS; i++) {
+void mesh_sweep_factors(size_t n, size_t components, const double *count, const double *tensor,
+                        const double *length, const double *least, double *factor, double *missing) {
+    for (size_t i = 0; i < n; i++) {
+        const double *own = tensor + components * i;
         double slope = 0.0;
-        for (size_t j = 0; j < QUARTIC; j++)
-            slope += times[j] * c->tensor[i][j] * missing[j];
-        double factor = fmax(c->least[i], c->factor[i] + slope / (c->length[i] * c->length[i]));
-        for (size_t j = 0; j < QUARTIC; j++)
-            missing[j] -= (factor - c->factor[i]) * c->tensor[i][j];
-        c->factor[i] = factor;
+        for (size_t j = 0; j < components; j++)
+            slope += count[j] * own[j] * missing[j];
+        double better = fmax(least[i], factor[i] + slope / (length[i] * length[i]));
+        for (size_t j = 0; j < components; j++)
+            missing[j] -= (better - factor[i]) * own[j];
+        factor[i] = better;
     }
 }
 
@@ -151,7 +151,7 @@ static void fit(cell *c, double area_m2) {
     }
     double now = square_of(missing), before = HUGE_VAL, exact = EXACT * square_of(solid);
     for (int i = 0; i < SWEEPS && now > exact && before - now > ENOUGH * now; i++) {
-        sweep(c, missing);
+        mesh_sweep_factors(PAIRS, QUARTIC, times, c->tensor[0], c->length, c->least, c->factor, missing);
         before = now;
         now = square_of(missing);
     }

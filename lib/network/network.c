@@ -21,15 +21,18 @@ palp_network_settings palp_network_settings_default(void) {
                                    .check_strain = 5e-3};
 }
 
+static void take_settings_of_model(const palp_model *model, palp_network_settings *s) {
+    s->density_kg_m3 = model->density_kg_m3;
+    s->volume_modulus_Pa = model->volume_modulus_Pa;
+    s->poisson_ratio = model->poisson_ratio;
+    s->n_regions = model->mesh ? model->mesh->n_regions : 0;
+    s->regions = model->mesh ? model->mesh->regions : NULL;
+}
+
 palp_network_settings palp_network_settings_of_model(const palp_model *model) {
     palp_network_settings s = palp_network_settings_default();
-    if (!model)
-        return s;
-    s.density_kg_m3 = model->density_kg_m3;
-    s.volume_modulus_Pa = model->volume_modulus_Pa;
-    s.poisson_ratio = model->poisson_ratio;
-    s.n_regions = model->mesh ? model->mesh->n_regions : 0;
-    s.regions = model->mesh ? model->mesh->regions : NULL;
+    if (model)
+        take_settings_of_model(model, &s);
     return s;
 }
 
@@ -363,7 +366,7 @@ palp_status palp_network_from_model(const palp_model *model, const palp_mesh *me
                                     palp_network **network, palp_error *error) {
     if (!model || !network)
         return palp_error_null(error);
-    palp_network_settings own = palp_network_settings_of_model(model);
+    palp_network_settings own = settings ? *settings : palp_network_settings_default();
     palp_support usual[2];
     palp_mesh *made = NULL;
     palp_status status = check_effects_supported(model, error);
@@ -372,15 +375,7 @@ palp_status palp_network_from_model(const palp_model *model, const palp_mesh *me
     if (status)
         return status;
     palp_supports_default(usual);
-    if (settings) {
-        const palp_network_settings of_model = own;
-        own = *settings;
-        own.density_kg_m3 = of_model.density_kg_m3;
-        own.volume_modulus_Pa = of_model.volume_modulus_Pa;
-        own.poisson_ratio = of_model.poisson_ratio;
-        own.n_regions = of_model.n_regions;
-        own.regions = of_model.regions;
-    }
+    take_settings_of_model(model, &own);
     status = palp_network_create(mesh ? mesh : made, &model->material, supports ? n_supports : 2,
                                  supports ? supports : usual, &own, network, error);
     palp_mesh_free(made);

@@ -198,10 +198,10 @@ double network_mean_of_materials(const palp_network *net, size_t element,
 /* Has a material a dashpot beside its spring? */
 bool network_has_dashpot(const palp_network *net);
 
-/* What a solid has of a quantity that is proportional to stiffness, where each region has this value of it
- * and the rest value[n_regions]: as the solid's stiffness, it is a mean of that of layers along a load and
- * across it. */
-double network_mean_of_solid(const palp_network *net, size_t solid, const double value[PALP_REGIONS_MAX + 1]);
+/* What each of n solids has of a quantity that is proportional to stiffness, where each region has this value
+ * of it and what is in none value[n_regions]. per_solid of the n are one of mesh_solids. */
+void network_mean_of_solids(const palp_network *net, const double value[PALP_REGIONS_MAX + 1], size_t n,
+                            size_t per_solid, double *mean);
 
 /* How far the elements' strains exceed the measured range of their materials; 0 = not, or not known. */
 double network_beyond(const palp_network *net, const double *strain);

@@ -128,13 +128,16 @@ static double stiffness_of_solid(const palp_network *net, const double ratio[PAL
     return exp(logarithm);
 }
 
-double network_mean_of_solid(const palp_network *net, size_t solid,
-                             const double value[PALP_REGIONS_MAX + 1]) {
-    double ratio[PALP_REGIONS_MAX + 1], mean = 0.0, sum;
+void network_mean_of_solids(const palp_network *net, const double value[PALP_REGIONS_MAX + 1], size_t n,
+                            size_t per_solid, double *mean) {
+    double ratio[PALP_REGIONS_MAX + 1], sum;
     find_ratios(net, ratio);
-    for (size_t r = 0; r <= net->n_regions; r++)
-        mean += part_of_solid(net, r, solid) * value[r] / ratio[r];
-    return mean * stiffness_of_solid(net, ratio, solid, &sum);
+    for (size_t i = 0; i < n; i++) {
+        mean[i] = 0.0;
+        for (size_t r = 0; r <= net->n_regions; r++)
+            mean[i] += part_of_solid(net, r, i / per_solid) * value[r] / ratio[r];
+        mean[i] *= stiffness_of_solid(net, ratio, i / per_solid, &sum);
+    }
 }
 
 /* Each element's force over that of the same spring in the network's own material, into factor[n_elements];
@@ -143,28 +146,26 @@ static palp_status find_shares(palp_network *net, double *factor) {
     size_t corners;
     const int32_t *node;
     const size_t n = mesh_solids(net->mesh, &corners, &node);
-    double *stiffness = malloc((2 * n + 1) * sizeof *stiffness), *value = stiffness + n;
-    double ratio[PALP_REGIONS_MAX + 1], sum;
+    double *stiffness = malloc((3 * n + 1) * sizeof *stiffness), *sum = stiffness + n, *value = sum + n;
+    double ratio[PALP_REGIONS_MAX + 1];
     palp_status status = stiffness ? PALP_OK : PALP_ERR_NO_MEMORY;
     find_ratios(net, ratio);
     for (size_t i = 0; i < n && !status; i++)
-        stiffness[i] = stiffness_of_solid(net, ratio, i, &sum);
+        stiffness[i] = stiffness_of_solid(net, ratio, i, &sum[i]);
     if (!status)
         status = mesh_mean_around_elements(net->mesh, stiffness, factor);
     for (size_t r = 0; r <= net->n_regions && net->base_share && !status; r++) {
         double *share = r < net->n_regions ? net->region[r].share : net->base_share;
-        if (r < net->n_regions && net->region[r].given.shape == PALP_REGION_MEMBRANE)
+        if (!share || (r < net->n_regions && net->region[r].given.shape == PALP_REGION_MEMBRANE))
             continue;
-        for (size_t i = 0; i < n && share; i++) {
-            stiffness_of_solid(net, ratio, i, &sum);
+        for (size_t i = 0; i < n; i++) {
             double part = part_of_solid(net, r, i);
             for (size_t other = 0; other < net->n_regions && r == net->n_regions; other++)
                 part += net->region[other].share ? 0.0 : ratio[other] * part_of_solid(net, other, i);
-            value[i] = part * stiffness[i] / sum;
+            value[i] = part * stiffness[i] / sum[i];
         }
-        if (share)
-            status = mesh_mean_around_elements(net->mesh, value, share);
-        for (size_t i = 0; i < net->n_elements && share && !status; i++)
+        status = mesh_mean_around_elements(net->mesh, value, share);
+        for (size_t i = 0; i < net->n_elements && !status; i++)
             share[i] /= factor[i];
     }
     free(stiffness);
@@ -285,8 +286,8 @@ void network_find_units(palp_network *net) {
     for (size_t r = 0; r < net->n_regions; r++) /* a membrane hardly changes how the tissue below gives way */
         stiffness[r + 1] *= net->region[r].given.shape != PALP_REGION_MEMBRANE;
     memset(net->unit, 0, net->n_nodes * sizeof *net->unit);
-    for (size_t i = 0; i < 2 * net->n_elements;
-         i++) { /* a third of the trace of a node's block of the tangent */
+    /* a third of the trace of a node's block of the tangent */
+    for (size_t i = 0; i < 2 * net->n_elements; i++) {
         const double ratio =
             net->base_share ? network_mean_of_materials(net, i / 2, stiffness) / stiffness[0] : 1.0;
         net->unit[net->pair[i]] +=

@@ -340,7 +340,9 @@ static void derive_volume_modulus(network_term *term, palp_network *net) {
     }
     k[net->n_regions] = t->modulus;
     for (size_t i = 0; i < t->n_all; i++)
-        t->all_k[i] = net->n_regions > 0 ? network_mean_of_solid(net, i / per_solid, k) : t->modulus;
+        t->all_k[i] = t->modulus;
+    if (net->n_regions > 0)
+        network_mean_of_solids(net, k, t->n_all, per_solid, t->all_k);
     find_whole_solids(t, net);
 }
 

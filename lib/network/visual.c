@@ -15,14 +15,14 @@ struct palp_visual {
     arena memory;
     size_t n_nodes, n_tetrahedra; /* of the network's mesh */
     size_t n_vertices, n_all, n_drawn;
-    double *rest;            /* [3 n_vertices] */
-    int32_t *node;           /* [4 n_vertices] corners of the tetrahedron */
-    double *share;           /* [4 n_vertices] barycentric coordinates in it */
-    double *follows;         /* [4 n_vertices] what the vertex moves by of each corner's displacement */
-    int32_t *all, *drawn;    /* [3 n_all] triangles, and those to draw */
-    double *x, *normal;      /* [3 n_vertices] */
-    size_t changes, version; /* surface_changes of the network when drawn was found */
-    bool found;
+    double *rest;                 /* [3 n_vertices] */
+    int32_t *node;                /* [4 n_vertices] corners of the tetrahedron */
+    double *share;                /* [4 n_vertices] barycentric coordinates in it */
+    double *follows;              /* [4 n_vertices] what the vertex moves by of each corner's displacement */
+    int32_t *all, *drawn;         /* [3 n_all] triangles, and those to draw */
+    double *x, *normal;           /* [3 n_vertices] */
+    const palp_network *drawn_of; /* the network that drawn was found for, or NULL: for none yet */
+    size_t changes, version;      /* its surface_changes then */
 };
 
 /* ---- binding ------------------------------------------------------------------------------------- */
@@ -74,7 +74,8 @@ static double distance_from_reach(const bound *b, const double place[3]) {
     return fmax(0.0, sqrt(square) - b->reach);
 }
 
-/* Of tetrahedra that are equally near the one whose middle is nearest. */
+/* To the nearest tetrahedron, from the last vertex's on: neighbours in the list are near each other mostly.
+ */
 static void bind_vertex(palp_visual *v, size_t vertex, const bound *bounds, const int32_t *tetrahedra,
                         size_t *last) {
     const double *place = v->rest + 3 * vertex;
@@ -187,15 +188,15 @@ static void follow_own_side(palp_visual *v, const palp_network *net, size_t vert
     const int32_t *node = v->node + CORNERS * vertex;
     const double *share = v->share + CORNERS * vertex;
     double *follows = v->follows + CORNERS * vertex, sum = 0.0;
+    const int nearest = nearest_corner(share);
     bool own[CORNERS] = {false};
-    own[nearest_corner(share)] = true;
+    own[nearest] = true;
     for (int round = 0; round < CORNERS; round++)
         for (int a = 0; a < CORNERS; a++)
             for (int b = 0; b < CORNERS; b++)
                 own[b] = own[b] || (own[a] && are_nodes_joined(net, node[a], node[b]));
     for (int c = 0; c < CORNERS; c++)
         sum += own[c] ? share[c] : 0.0;
-    const int nearest = nearest_corner(share);
     const bool alone = sum < 0.5 * share[nearest]; /* the others pull the other way */
     for (int c = 0; c < CORNERS; c++)
         follows[c] = alone ? (c == nearest ? 1.0 : 0.0) : own[c] ? share[c] / sum : 0.0;
@@ -220,8 +221,8 @@ static void find_drawn(palp_visual *v, const palp_network *net) {
     for (size_t i = 0; i < v->n_all; i++)
         if (net->n_dead == 0 || is_triangle_whole(v, net, v->all + 3 * i))
             memcpy(v->drawn + 3 * v->n_drawn++, v->all + 3 * i, 3 * sizeof *v->all);
+    v->drawn_of = net;
     v->changes = net->surface_changes;
-    v->found = true;
     v->version++;
 }
 
@@ -261,7 +262,7 @@ static void find_normals(palp_visual *v) {
 static palp_status follow(palp_visual *v, const palp_network *net, bool normals) {
     if (net->n_nodes != v->n_nodes || net->mesh->n_tetrahedra != v->n_tetrahedra)
         return PALP_ERR_ARGUMENT;
-    if (!v->found || v->changes != net->surface_changes)
+    if (v->drawn_of != net || v->changes != net->surface_changes)
         find_drawn(v, net);
     place_vertices(v, net);
     if (normals)

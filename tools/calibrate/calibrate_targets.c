@@ -233,6 +233,8 @@ static int press_of_tip(const char *file, const palp_experiment *run, palp_recor
         palp_experiment_get_number(run, k ? "tip.z_mm" : "tip.x_mm", &place_mm);
         press->tip_m[k] = 1e-3 * place_mm;
     }
+    if (code == CLI_OK && isnan(press->tip_m[0]) != isnan(press->tip_m[1]))
+        code = cli_failure(NAME, "%s: the place of a sphere needs both tip.x_mm and tip.z_mm", file);
     press->relaxed = kind == PALP_RECORDING_STATIC;
     record *target = &press->target;
     for (size_t i = 0; press->relaxed && i < target->n; i++)

@@ -232,7 +232,8 @@ palp_status press_network(palp_network *network, const palp_path *path, const pr
 }
 
 /* Highest y of the centre at which a sphere at x and z touches a triangle's plane inside it, or one of its
- * corners; -INFINITY: it meets neither. Edges between are a little higher. */
+ * corners; -INFINITY: it meets neither. An edge that it would meet first, which is a little higher,
+ * is left out. */
 static double touching_height(const double *const corner[3], double radius_m, double x_m, double z_m) {
     double height = -INFINITY, u[3], v[3], normal[3];
     for (int c = 0; c < 3; c++) {

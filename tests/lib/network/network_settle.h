@@ -24,4 +24,23 @@ static inline void unsettle(palp_network *net, double depth) {
     ck_assert(network_evaluate(net));
 }
 
+/* Energy at x + h along, [3 n_nodes] both. */
+static inline double energy_at(palp_network *net, const double *x, const double *along, double h) {
+    double energy;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        net->next.x[i] = x[i] + h * along[i];
+    ck_assert(network_evaluate(net));
+    ck_assert(network_energy(net, &energy));
+    return energy;
+}
+
+/* Residual there into r[3 n_nodes], 0 on fixed axes. */
+static inline void residual_at(palp_network *net, const double *x, const double *along, double h, double *r) {
+    double scale;
+    energy_at(net, x, along, h);
+    network_residual(net, &scale);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        r[i] = net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]];
+}
+
 #endif

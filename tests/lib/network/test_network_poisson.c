@@ -40,24 +40,6 @@ static palp_material law_of(size_t n, const double *coefficients) {
 
 /* ---- energy, forces, tangent --------------------------------------------------------------------- */
 
-static double energy_at(palp_network *net, const double *x, const double *along, double h) {
-    double energy;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        net->next.x[i] = x[i] + h * along[i];
-    ck_assert(network_evaluate(net));
-    ck_assert(network_energy(net, &energy));
-    return energy;
-}
-
-/* Residual, 0 on fixed axes. */
-static void residual_at(palp_network *net, const double *x, const double *along, double h, double *r) {
-    double scale;
-    energy_at(net, x, along, h);
-    network_residual(net, &scale);
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        r[i] = net->dof[i] < 0 ? 0.0 : net->rhs[net->dof[i]];
-}
-
 typedef struct dense_blocks {
     double *k;
     size_t n;

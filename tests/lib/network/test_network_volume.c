@@ -23,15 +23,6 @@ static void disorder(palp_network *net, double size) {
         net->next.x[i] = net->rest[i] + (net->dof[i] < 0 ? 0.0 : size * tilt(i));
 }
 
-static double energy_at(palp_network *net, const double *x, const double *along, double h) {
-    double energy;
-    for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        net->next.x[i] = x[i] + h * along[i];
-    ck_assert(network_evaluate(net));
-    ck_assert(network_energy(net, &energy));
-    return energy;
-}
-
 /* Forces are the gradient of the energy and the tangent is theirs, assembled or times a vector, also with
  * flat tetrahedra. */
 START_TEST(derivatives) {

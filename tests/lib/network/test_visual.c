@@ -149,6 +149,41 @@ START_TEST(cut_apart) {
 }
 END_TEST
 
+/* Two networks of one mesh that are cut in different places: each is drawn as its own. */
+START_TEST(two_networks) {
+    const palp_material m = quartic(0);
+    palp_network *net[2];
+    palp_visual *visual = NULL;
+    static ball b;
+    static double x[3 * VERTICES];
+    int32_t *first[2];
+    size_t n[2], cut;
+    for (int i = 0; i < 2; i++) {
+        net[i] = network_of(0, &m);
+        ck_assert_int_eq(palp_network_enable_cutting(net[i]), PALP_OK);
+        const double y = (i ? 0.6 : 0.4) * HEIGHT;
+        ck_assert_int_eq(palp_network_cut(net[i], (double[]){-1, y, -1, 2, y, -1, -1, y, 2}, &cut), PALP_OK);
+        ck_assert_uint_gt(cut, 0);
+    }
+    ck_assert_uint_eq(net[0]->surface_changes, net[1]->surface_changes);
+    make_ball(&b, net[0], 0.45 * HEIGHT);
+    visual = bind(net[0], &b);
+    for (int i = 0; i < 2; i++) {
+        const int32_t *triangles;
+        ck_assert_int_eq(palp_visual_follow(visual, net[i], x, NULL), PALP_OK);
+        ck_assert_int_eq(palp_visual_triangles(visual, &n[i], &triangles, NULL), PALP_OK);
+        first[i] = malloc(3 * TRIANGLES * sizeof *first[i]);
+        memcpy(first[i], triangles, 3 * n[i] * sizeof *triangles);
+    }
+    ck_assert(n[0] != n[1] || memcmp(first[0], first[1], 3 * n[0] * sizeof *first[0]) != 0);
+    for (int i = 0; i < 2; i++) {
+        free(first[i]);
+        palp_network_free(net[i]);
+    }
+    palp_visual_free(visual);
+}
+END_TEST
+
 START_TEST(what_is_refused) {
     const palp_material m = quartic(0);
     palp_network *net = cube_network(3, &m, NULL), *other = cube_network(4, &m, NULL),
@@ -174,5 +209,6 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, at_rest, 0, 2);
     tcase_add_loop_test(tc, affine_motion, 0, 2);
     tcase_add_loop_test(tc, cut_apart, 0, 2);
+    tcase_add_test(tc, two_networks);
     tcase_add_test(tc, what_is_refused);
 }
