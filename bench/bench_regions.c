@@ -1,4 +1,5 @@
-/* bench_regions.c: time of a tick of a network with three regions over that of the same network without. A
+/* bench_regions.c: time of a tick of a network with three regions, and of one whose surface may also touch
+ * itself, over that of the same network without. A
  * sphere slides and presses on a lattice of 11 nodes a side, scaled as a solid, with two arms. The networks
  * tick in turn, with the same corrections; the ratio is of medians. */
 #include "bench.h"
@@ -11,9 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NODES = 11, TICKS = 1500, KINDS = 3, REGIONS = 3 };
+enum { NODES = 11, TICKS = 1500, KINDS = 5, REGIONS = 3 };
 static const char *const NAMES[KINDS] = {"none", "three, stiffer by a factor",
-                                         "three, materials of their own"};
+                                         "three, materials of their own", "three by a factor, self contact",
+                                         "three of their own, self contact"};
 static const double HEIGHT = 0.024, DT = 1e-3;
 
 static palp_material tissue(double factor) {
@@ -36,14 +38,14 @@ static void choose_regions(int kind, palp_region region[REGIONS]) {
         region[r].high_m[1] = r == 0 ? 1.0 : 0.2 * HEIGHT;
         region[r].centre_m[0] = region[r].centre_m[1] = region[r].centre_m[2] = 0.5 * HEIGHT;
         region[r].radius_m = 0.2 * HEIGHT;
-        region[r].stiffness = kind == 1 ? 2.0 + r : 0.0;
+        region[r].stiffness = kind % 2 == 1 ? 2.0 + r : 0.0;
         region[r].own_material = tissue(2.0 + r);
     }
 }
 
 static palp_realtime *make(int kind) {
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
-    const palp_contact_settings touch = palp_contact_settings_default();
+    palp_contact_settings touch = palp_contact_settings_default();
     palp_network_settings settings = palp_network_settings_default();
     const palp_realtime_settings realtime = palp_realtime_settings_default();
     const palp_material m = tissue(1.0);
@@ -51,6 +53,7 @@ static palp_realtime *make(int kind) {
     palp_mesh *mesh = NULL;
     palp_network *net = NULL;
     palp_realtime *rt = NULL;
+    touch.self = kind > 2;
     choose_regions(kind, region);
     bench_check(palp_mesh_lattice((size_t[]){NODES, NODES, NODES}, (double[]){HEIGHT, HEIGHT, HEIGHT},
                                   PALP_NEIGHBOURS_26, &mesh),

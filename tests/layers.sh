@@ -19,7 +19,7 @@ data: base | experiment recording segments
 effect: wire solve material mesh data | effect
 model: effect | model region
 network: model | network visual vtu
-contact: network | tool
+contact: network | tool tie
 cut: network | cut
 realtime: contact cut | realtime
 reduce: realtime | reduce sim

@@ -15,7 +15,7 @@ extern "C" {
 /* Limits: at least two nodes and one element, at most INT32_MAX nodes, which a lattice refuses with
  * ERR_ARGUMENT; at most INT32_MAX / 4 tetrahedra (ERR_LIMIT). A network is limited earlier, by the entries of
  * its tangent and of the factor, which have 32-bit indices (ERR_LIMIT of palp_network_create). A mesh is one
- * connected part and no pair of nodes has two elements. Tetrahedra that overlap without being the same one
+ * connected part unless it was joined (palp_mesh_join), and no pair of nodes has two elements. Tetrahedra that overlap without being the same one
  * are not refused. */
 typedef struct palp_mesh palp_mesh; /* owns its arrays; free with palp_mesh_free */
 
@@ -124,6 +124,14 @@ PALP_API palp_status palp_mesh_region(const palp_mesh *mesh, const char *name, c
  * finite, a matrix that is no rotation within 1e-9. */
 PALP_API palp_status palp_mesh_transform(palp_mesh *mesh, const double rotation[9],
                                          const double translation_m[3]);
+
+/* Two meshes as separate parts of a new one, which the caller owns: tissues that may touch each other
+ * (palp_contact_settings) or be tied (palpate/tie.h). Nodes, elements, tetrahedra and triangles of the second
+ * follow those of the first, as the meshes are placed and scaled. Sets and regions of the second are called
+ * "name.set" and "name.region"; all of it is the set, and where it has tetrahedra the region, called name.
+ * ERR_INPUT: the first has a set or region of that name; ERR_LIMIT: too large; ERR_NO_MEMORY. */
+PALP_API palp_status palp_mesh_join(const palp_mesh *first, const palp_mesh *second, const char *name,
+                                    palp_mesh **joined);
 
 /* Lowest and highest rest coordinate, m. */
 PALP_API void palp_mesh_bounds(const palp_mesh *mesh, double low_m[3], double high_m[3]);

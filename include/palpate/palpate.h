@@ -31,6 +31,7 @@
 #include <palpate/status.h>
 #include <palpate/thesis.h>
 #include <palpate/version.h>
+#include <palpate/tie.h>
 #include <palpate/tool.h>
 #include <palpate/visual.h>
 #include <palpate/vtu.h>

@@ -18,6 +18,7 @@
 #include <palpate/region.h>
 #include <palpate/solver.h>
 #include <palpate/status.h>
+#include <palpate/tie.h>
 #include <palpate/tool.h>
 #include <palpate/version.h>
 #include <palpate/visual.h>

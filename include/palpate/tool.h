@@ -39,16 +39,20 @@ typedef struct palp_tool_force {
     double depth_m;  /* largest depth of a point inside the tool */
 } palp_tool_force;
 
-/* One point in contact. The tissue is pushed there by normal_N times normal, and by friction_N. */
+#define PALP_CONTACT_TISSUE ((size_t)-1)
+
+/* One point in contact. The tissue is pushed there by normal_N times normal, and by friction_N. Where tissue
+ * touches tissue, a node is pushed so by a triangle of the surface, which takes the opposite force. */
 typedef struct palp_contact {
-    size_t tool;       /* its index */
+    size_t tool;       /* its index, or PALP_CONTACT_TISSUE */
     double place_m[3]; /* on the surface of the tissue */
-    double normal[3];  /* unit vector from the tool into the tissue */
+    double normal[3];  /* unit vector from the tool into the tissue, or from the triangle to the node */
     double normal_N;   /* 0 or more */
     double friction_N[3];
     double depth_m; /* inside the tool */
     bool slips;     /* friction is at its limit */
     int32_t node;   /* the network's node that takes the largest part of the force */
+    int32_t other;  /* the one that takes the largest part of the opposite force; -1 = a tool */
     int region;     /* index of the region that has most of the tissue around that node, or -1 */
 } palp_contact;
 
@@ -67,6 +71,11 @@ typedef struct palp_contact_settings {
      * tool is. stiffness then only keeps a tool from sinking in by more than half its radius. Otherwise each
      * triangle is touched in its nearest point, which is up to four times too stiff. true */
     bool local;
+    /* Tissue touches itself, and other tissues of the mesh (palp_mesh_join): nodes of the surface touch its
+     * triangles, apart from those next to them. A node stays on its side of a triangle, wherever a step takes
+     * it. Tissues that overlap at rest do not touch. max_tools may be 0. false */
+    bool self;
+    double self_friction;   /* Coulomb's coefficient of tissue on tissue; 0 */
     size_t max_contacts;    /* points near tools at once, others are ignored; 0 = as many as possible */
     double gravity_m_s2[3]; /* acts on the network's mass; 0 */
 } palp_contact_settings;

@@ -39,6 +39,7 @@ typedef struct contact {
     int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1, share = {1, 0, 0} */
     int32_t corners, part; /* part: which of the fixed points of its triangle */
     bool fixed;            /* a fixed point of a triangle (contact_face.c) */
+    bool tissue;           /* the tool is a node of the surface (contact_self.c) */
     contact_law law;       /* of a fixed point */
     double early;          /* depth outside the tool at which its smoothing begins, m */
     double
@@ -275,6 +276,12 @@ void contact_face_law(const contact_set *set, const palp_tool *tool, double stif
                       contact *c);
 
 /* ---- terms of a network ---- */
+
+/* Term for tissue that touches itself (contact_self.c); NULL: out of memory. */
+network_term *contact_self_new(const palp_network *net, const palp_contact_settings *settings);
+
+/* The contacts of that term at the last committed state, without region; none where there is no term. */
+const palp_contact *contact_self_told(const palp_network *net, size_t *n);
 
 /* Term for grasped nodes (grasp.c); NULL: out of memory. */
 network_term *grasp_new(size_t max_grasped, double stiffness);

@@ -107,6 +107,17 @@ static bool is_inside_triangle(const contact *c) {
     return c->share[0] > 0.0 && c->share[1] > 0.0 && c->share[2] > 0.0;
 }
 
+/* A node of other tissue is measured along the normal of the triangle, also a little beside it. */
+static void measure_distance_to_plane(const double *const corner[3], const double node[3], contact *c) {
+    double away[3];
+    memcpy(c->point, corner[0], sizeof c->point);
+    measure_distance_to_face(corner, node, c);
+    along3(node, -1.0, corner[0], away);
+    for (int i = 0; i < 3; i++)
+        c->share[i] = (i == 0) + dot3(c->gradient[i], away);
+    along3(node, c->distance, c->normal, c->point);
+}
+
 void contact_measure(const palp_tool *tool, contact *c, const double *x) {
     double centre[3];
     if (c->fixed) {
@@ -120,6 +131,11 @@ void contact_measure(const palp_tool *tool, contact *c, const double *x) {
     }
     along3(tool->position_m, c->along, tool->axis, centre);
     const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
+    if (c->tissue) {
+        measure_distance_to_plane(corner, centre, c);
+        c->depth = -c->distance;
+        return;
+    }
     contact_nearest(corner, centre, c->share);
     contact_point(c, c->share, x, c->point);
     if (is_inside_triangle(c))
@@ -212,7 +228,7 @@ static void evaluate_normal_force(const palp_tool *tool, contact *c, double slop
     double edge[3] = {0.0}, length = 0.0;
     memset(c->normal_tangent, 0, sizeof c->normal_tangent);
     add_longitudinal_block(slope, c->normal, c->normal_tangent);
-    if (tool->shape == PALP_TOOL_PLANE || is_inside_triangle(c) || !(c->distance > 0.0))
+    if (tool->shape == PALP_TOOL_PLANE || c->tissue || is_inside_triangle(c) || !(c->distance > 0.0))
         return;
     double bend = c->pressure / c->distance;
     add_transverse_block(-bend, c->normal, c->normal_tangent);
@@ -259,7 +275,7 @@ void contact_evaluate_next(const contact_set *set, contact *c, const double *x, 
         contact_face_measure(tool, c, x, plane);
     else
         contact_measure(tool, c, x);
-    if (c->corners == 3 && c->distance < -0.5 * set->edge)
+    if (c->corners == 3 && !c->tissue && c->distance < -0.5 * set->edge)
         c->depth = 0.0; /* a tool that far through the surface has lost it */
     if (!(c->depth > 0.0))
         return;

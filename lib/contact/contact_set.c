@@ -230,6 +230,7 @@ static void remember_arms(const contact_set *set, const contact *c, contact_touc
 
 static void tell_contact(const contact_set *set, const contact *c, contact_told *told) {
     told->contact = (palp_contact){.tool = (size_t)c->tool,
+                                   .other = -1,
                                    .normal_N = contact_normal_force(c),
                                    .depth_m = c->depth - c->early,
                                    .slips = set->pose[c->tool].friction > 0.0 && c->kept < 1.0};

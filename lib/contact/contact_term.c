@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { MOST_SUBDIVISIONS = 4 };
+enum { MOST_SUBDIVISIONS = 4, SELF_BLOCKS = 3 };
 
 /* Of springs alone, 1 less Poisson's ratio. At equal shear modulus the modulus of a surface, E / (1 - nu^2),
  * goes as 1 / (1 - nu). */
@@ -425,19 +425,24 @@ palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_
     const palp_contact_settings *s = &own;
     bool weighs = dot3(s->gravity_m_s2, s->gravity_m_s2) > 0.0;
     if (!positive(s->stiffness) || !positive(s->grasp_stiffness) || !positive(s->smoothing) ||
-        s->subdivisions > MOST_SUBDIVISIONS || !finite3(s->gravity_m_s2) || (weighs && !net->mass))
+        !(s->self_friction >= 0.0 && isfinite(s->self_friction)) || s->subdivisions > MOST_SUBDIVISIONS ||
+        !finite3(s->gravity_m_s2) || (weighs && !net->mass))
         return PALP_ERR_ARGUMENT;
-    if (max_tools > 0 && net->n_surface == 0)
+    if ((max_tools > 0 || s->self) && net->n_surface == 0)
         return PALP_ERR_UNSUPPORTED;
     if (s->subdivisions > 0 && net->surface != palp_mesh_triangles(net->mesh))
         return PALP_ERR_UNSUPPORTED;
-    network_term *terms[3];
+    network_term *terms[4];
     size_t n = 0;
     if (weighs)
         terms[n++] = network_gravity_new(s->gravity_m_s2);
     terms[n++] = grasp_new(max_grasped, s->grasp_stiffness);
     terms[n++] = create_contact_term(net, max_tools, s);
     palp_status status = reserve_tangent_pairs(net, terms[n - 1]);
+    if (!status && s->self) {
+        terms[n++] = contact_self_new(net, s);
+        status = network_make_far_room(net, SELF_BLOCKS * net->n_surface);
+    }
     if (status) {
         for (size_t i = 0; i < n; i++)
             network_term_free(terms[i]);
@@ -473,11 +478,14 @@ palp_status palp_network_contacts(const palp_network *net, size_t room, palp_con
     const contact_term *t = (const contact_term *)network_find_term(net, &CONTACT);
     if (!t)
         return PALP_ERR_ARGUMENT;
-    *n = t->set.now.n_told;
+    const size_t by_tools = t->set.now.n_told;
+    size_t more;
+    const palp_contact *self = contact_self_told(net, &more);
+    *n = by_tools + more;
     for (size_t i = 0; i < *n && i < room; i++) {
-        const contact_told *told = &t->set.now.told[i];
-        contacts[i] = told->contact;
-        contacts[i].node = main_node(t, told);
+        contacts[i] = i < by_tools ? t->set.now.told[i].contact : self[i - by_tools];
+        if (i < by_tools)
+            contacts[i].node = main_node(t, &t->set.now.told[i]);
         contacts[i].region = net->region_of_node ? net->region_of_node[contacts[i].node] : -1;
     }
     return PALP_OK;

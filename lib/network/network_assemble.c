@@ -136,6 +136,8 @@ void network_assemble(palp_network *net, double shift) {
     if (shift != 0.0)
         network_set_diagonal(net, 0.0);
     NETWORK_EACH_TERM(net, blocks, net, add_block_to_tangent, net);
+    net->far.n = 0;
+    NETWORK_EACH_TERM(net, far_blocks, net, network_keep_far_block, net);
 }
 
 palp_status network_factor(palp_network *net, double shift, int *negative) {
@@ -222,7 +224,7 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
         return status;
     net->exact = true;
     network_drive_column(net, net->start);
-    linsys_solve(net->ls, net->start);
+    network_solve(net, net->start);
     double *u = net->fint; /* displacement per depth; fint is no longer needed */
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         u[i] = net->dof[i] < 0 ? net->motion[i] : net->start[net->dof[i]];

@@ -48,6 +48,14 @@ typedef struct network_material {
     double modulus;      /* instantaneous stiffness at rest, N */
 } network_material;
 
+/* Blocks of the tangent that are not in the factor, see network_solve.c. */
+typedef struct network_far {
+    size_t n, room;
+    int32_t *node;                                 /* [2 n] row and column of each, which are different */
+    double *block;                                 /* [9 n] by rows */
+    double *residual, *direction, *near, *product; /* [n_free] of conjugate gradients */
+} network_far;
+
 struct palp_network {
     arena memory, states; /* of its arrays; of the states now, next and past */
     palp_network_settings settings;
@@ -100,6 +108,7 @@ struct palp_network {
                              join; sorted; or NULL */
     uint32_t *other_slot; /* [9 n_other_pairs] value slots as in slot */
     size_t n_other_pairs;
+    network_far far;
     bool reuse_factor; /* factorization is expensive: keep a factor as long as it contracts */
     bool factored;     /* the factor is of this network's state or of one near it */
 
@@ -151,6 +160,17 @@ palp_status network_add_pairs(palp_network *net, size_t n, const int32_t *low, c
 
 /* Value slots of the block (high, low) of such a pair, by rows, or NULL. */
 const uint32_t *network_other_slots(const palp_network *net, int32_t low, int32_t high);
+
+/* ---- network_solve.c ---- */
+
+/* Makes more room for blocks that are not in the factor. */
+palp_status network_make_far_room(palp_network *net, size_t more);
+
+/* Keeps such a block of the tangent that is being assembled, if there is room: a network_block_taker. */
+void network_keep_far_block(void *net, int32_t row, int32_t column, const double k[9]);
+
+/* x = K^-1 x with the tangent K of the last factor, [n_free]. */
+void network_solve(palp_network *net, double *x);
 
 /* ---- network_state.c ---- */
 

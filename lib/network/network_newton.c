@@ -33,7 +33,7 @@ static bool move_along_newton_step(palp_network *net, double alpha) {
 /* dx = K^-1 rhs with the present factor; start = next's unknowns. */
 static void solve_newton_direction(palp_network *net, palp_step_info *info) {
     memcpy(net->dx, net->rhs, net->n_free * sizeof *net->dx);
-    linsys_solve(net->ls, net->dx);
+    network_solve(net, net->dx);
     gather_free_coordinates(net, net->start);
     info->iterations++;
 }
@@ -138,7 +138,7 @@ static bool leave_unstable_equilibrium(palp_network *net) {
         double norm = sqrt(dense_dot(net->n_free, v, v));
         for (size_t i = 0; i < net->n_free; i++)
             v[i] /= norm;
-        linsys_solve(net->ls, v);
+        network_solve(net, v);
     }
     for (size_t i = 0; i < net->n_free; i++)
         largest = fmax(largest, fabs(v[i]));

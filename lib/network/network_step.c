@@ -60,7 +60,7 @@ static palp_status predict_along_tangent(palp_network *net, double depth) {
         network_drive_column(net, net->dx);
         for (size_t i = 0; i < net->n_free; i++)
             net->dx[i] = net->rhs[i] + move * net->dx[i];
-        linsys_solve(net->ls, net->dx);
+        network_solve(net, net->dx);
         net->factored = true;
         network_place(net, depth);
         for (size_t i = 0; i < 3 * net->n_nodes; i++)

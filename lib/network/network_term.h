@@ -45,6 +45,10 @@ typedef struct network_term_kind {
      * the unsymmetric part of a term that has one. */
     void (*diagonal)(const network_term *term, const palp_network *net, double *d);
     void (*blocks)(const network_term *term, const palp_network *net, network_block_taker take, void *user);
+    /* Blocks between different nodes that the factor leaves out and the solution adds (network_solve.c).
+     * Those of blocks are then positive semidefinite without them, or nearly. */
+    void (*far_blocks)(const network_term *term, const palp_network *net, network_block_taker take,
+                       void *user);
     void (*times)(const network_term *term, const palp_network *net, const double *u, double *out);
     void (*whole_times)(const network_term *term, const palp_network *net, const double *u, double *out);
 

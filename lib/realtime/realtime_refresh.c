@@ -66,6 +66,7 @@ static size_t gather_blocks_of_terms(palp_network *net, multigrid_coupling *to) 
     for (size_t i = 0; i < net->n_terms; i++)
         if (realtime_touches(net->terms[i]))
             net->terms[i]->kind->blocks(net->terms[i], net, take_block_as_coupling, &g);
+    NETWORK_EACH_TERM(net, far_blocks, net, take_block_as_coupling, &g);
     return g.n;
 }
 

@@ -41,7 +41,7 @@ static palp_status find_linear_response(palp_network *net, double *lift) {
     if (status || negative > 0)
         return PALP_ERR_SINGULAR;
     network_drive_column(net, net->dx);
-    linsys_solve(net->ls, net->dx);
+    network_solve(net, net->dx);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         lift[i] = net->dof[i] < 0 ? net->motion[i] : net->dx[net->dof[i]];
     return PALP_OK;
@@ -178,7 +178,7 @@ static palp_status find_static_load_modes(palp_network *net, size_t n, const siz
         double *u = answer + i * n3;
         memset(net->dx, 0, net->n_free * sizeof *net->dx);
         net->dx[net->dof[list[i]]] = 1.0;
-        linsys_solve(net->ls, net->dx);
+        network_solve(net, net->dx);
         for (size_t k = 0; k < n3; k++)
             u[k] = net->dof[k] < 0 ? 0.0 : net->dx[net->dof[k]];
         for (size_t j = 0; j < *count;

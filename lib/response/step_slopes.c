@@ -111,7 +111,7 @@ static void solve_displacement_slopes(step_slopes *s, size_t k, double stiffer, 
         if (net->dof[i] >= 0)
             net->dx[net->dof[i]] =
                 u[i] - (stiffer != 0.0 ? stiffer * spring[i] * (net->next.x[i] - net->rest[i]) : 0.0);
-    linsys_solve(net->ls, net->dx);
+    network_solve(net, net->dx);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         u[i] = depth_p * s->drive[i] + (net->dof[i] >= 0 ? net->dx[net->dof[i]] : 0.0);
 }

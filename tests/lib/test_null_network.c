@@ -102,6 +102,10 @@ START_TEST(null_in_mesh) {
     REFUSED(palp_mesh_region(mesh, text, NULL));
     REFUSED(palp_region_place_in(NULL, (void *)storage, NULL));
     REFUSED(palp_region_place_in(mesh, NULL, NULL));
+    REFUSED(palp_mesh_join(NULL, mesh, text, (palp_mesh **)pointers));
+    REFUSED(palp_mesh_join(mesh, NULL, text, (palp_mesh **)pointers));
+    REFUSED(palp_mesh_join(mesh, mesh, NULL, (palp_mesh **)pointers));
+    REFUSED(palp_mesh_join(mesh, mesh, text, NULL));
     REFUSED(palp_mesh_transform(NULL, numbers, numbers));
     REFUSED(palp_mesh_transform(mesh, NULL, numbers));
     REFUSED(palp_mesh_transform(mesh, numbers, NULL));
@@ -285,6 +289,21 @@ START_TEST(null_in_tool) {
 }
 END_TEST
 
+START_TEST(null_in_tie) {
+    REFUSED(palp_tie_point_at(NULL, numbers, (void *)storage));
+    REFUSED(palp_tie_point_at(palp_network_mesh(net), NULL, (void *)storage));
+    REFUSED(palp_tie_point_at(palp_network_mesh(net), numbers, NULL));
+    REFUSED(palp_network_enable_ties(NULL, 2));
+    REFUSED(palp_network_set_ties(NULL, 2, (void *)storage));
+    REFUSED(palp_network_set_ties(net, 2, NULL));
+    REFUSED(palp_network_ties(NULL, (void *)storage));
+    REFUSED(palp_network_ties(net, NULL));
+    REFUSED(palp_network_tie_length(NULL, (void *)storage, numbers));
+    REFUSED(palp_network_tie_length(net, NULL, numbers));
+    REFUSED(palp_network_tie_length(net, (void *)storage, NULL));
+}
+END_TEST
+
 START_TEST(null_in_vtu) {
     REFUSED(palp_vtu_open(NULL, text, (palp_vtu **)pointers, NULL));
     REFUSED(palp_vtu_open(text, NULL, (palp_vtu **)pointers, NULL));
@@ -335,6 +354,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, null_in_thesis);
     tcase_add_test(tc, null_in_visual);
     tcase_add_test(tc, null_in_tool);
+    tcase_add_test(tc, null_in_tie);
     tcase_add_test(tc, null_in_vtu);
     tcase_add_test(tc, null_in_forward);
     tcase_add_test(tc, null_in_specimen);
