@@ -19,6 +19,7 @@ enum {
 /* A node of the surface and a triangle of it. */
 typedef struct self_pair {
     int32_t node, triangle;
+    bool open; /* the node was outside the triangle at the committed state */
 } self_pair;
 
 /* What a state keeps of a node. */
@@ -59,6 +60,7 @@ typedef struct self_term {
     self_contact *contact, *found; /* [n_contacts], and those that are looked for */
     size_t n_contacts;
     int32_t *triangle; /* [n_nodes] that a node is near, or -1 */
+    double *found_at;  /* [3 n_nodes] where contacts were found */
     self_state now, next;
 } self_term;
 
@@ -244,16 +246,16 @@ static void list_pairs_of_node(self_term *t, const palp_network *net, const grid
             near = near && p[k] >= low[k] && p[k] <= high[k];
         if (near && does_node_face_triangle(t, x, triangle, node) &&
             !is_triangle_next_to_node(net, triangle, node) && distance_to_triangle(x, triangle, p) <= reach)
-            t->pair[t->n_pairs++] = (self_pair){node, t->entry[e]};
+            t->pair[t->n_pairs++] = (self_pair){node, t->entry[e], false};
     }
 }
 
-/* Lists the pairs that may come to touch, unless the list still holds at x. */
-static void update_list_of_pairs(self_term *t, const palp_network *net, const double *x) {
+/* Lists the pairs that may come to touch, unless the list still holds at x; false if it does. */
+static bool update_list_of_pairs(self_term *t, const palp_network *net, const double *x) {
     const double edge = t->set.edge;
     grid g;
     if (t->is_built && furthest_of_listed_nodes(t, x, t->built) <= 0.5 * MARGIN * edge)
-        return;
+        return false;
     memcpy(t->built, x, 3 * net->n_nodes * sizeof *x);
     t->is_built = true;
     t->n_pairs = 0;
@@ -261,22 +263,28 @@ static void update_list_of_pairs(self_term *t, const palp_network *net, const do
     sort_triangles_into_grid(t, x, (REACH + MARGIN) * edge, &g);
     for (size_t i = 0; i < t->n_listed; i++)
         list_pairs_of_node(t, net, &g, x, (REACH + MARGIN) * edge, t->node[i]);
+    return true;
 }
 
 /* ---- contacts ------------------------------------------------------------------------------------ */
 
 /* Was the node outside the plane of this triangle at the last committed state? One that touched was a little
  * inside; it stays on the side that it came from, and cannot be deeper in a triangle that it slides onto. */
-static bool is_node_outside_triangle(const self_term *t, const palp_network *net, const self_contact *s) {
-    const self_touch *was = &t->now.touch[s->node];
+static bool was_node_outside_triangle(const self_term *t, const palp_network *net, const self_pair *pair) {
+    const self_touch *was = &t->now.touch[pair->node];
     const double *x = net->now.x, edge = t->set.edge;
-    contact_plane plane = {.node = {-1, -1, -1}};
-    double away[3];
-    contact_plane_at(s->contact.node, x, &plane);
-    along3(x + 3 * s->node, -1.0, x + 3 * s->contact.node[0], away);
-    const double height = dot3(away, plane.outward);
-    return was->touches ? dot3(was->outward, plane.outward) > 0.0 && height >= -was->depth - LOYAL * edge
+    const int32_t *node = t->set.surface + 3 * pair->triangle;
+    double away[3], outward[3];
+    along3(x + 3 * pair->node, -1.0, x + 3 * node[0], away);
+    outward_of_triangle(x, node, outward);
+    const double height = dot3(away, outward) / sqrt(dot3(outward, outward));
+    return was->touches ? dot3(was->outward, outward) > 0.0 && height >= -was->depth - LOYAL * edge
                         : height >= -LEVEL * edge;
+}
+
+static void open_pairs(self_term *t, const palp_network *net) {
+    for (size_t i = 0; i < t->n_pairs; i++)
+        t->pair[i].open = was_node_outside_triangle(t, net, &t->pair[i]);
 }
 
 static double mean_unit_of_triangle(const palp_network *net, const int32_t *node) {
@@ -294,11 +302,12 @@ static bool is_node_on_triangle(const self_term *t, const self_contact *s, doubl
 static bool try_contact_of_pair(const self_term *t, const palp_network *net, const self_pair *pair,
                                 const double *x, self_contact *s, double *distance) {
     const int32_t *node = t->set.surface + 3 * pair->triangle;
-    *s = (self_contact){.node = pair->node, .triangle = pair->triangle};
+    if (!pair->open)
+        return false;
+    s->node = pair->node;
+    s->triangle = pair->triangle;
     contact *c = &s->contact;
     *c = (contact){.node = {node[0], node[1], node[2]}, .corners = 3, .memory = -1, .tissue = true};
-    if (!is_node_outside_triangle(t, net, s))
-        return false;
     memcpy(t->set.pose->position_m, x + 3 * pair->node, 3 * sizeof *x);
     contact_measure(t->set.pose, c, x);
     *distance = distance_to_triangle(x, node, x + 3 * pair->node);
@@ -315,9 +324,11 @@ static bool try_contact_of_pair(const self_term *t, const palp_network *net, con
 }
 
 /* Each node near the surface, with its nearest triangle. Returns their number in t->found. */
-static size_t find_contacts_of_nodes(self_term *t, const palp_network *net, const double *x) {
+static size_t find_contacts_of_nodes(self_term *t, const palp_network *net, bool begins, const double *x) {
     size_t n = 0;
-    update_list_of_pairs(t, net, x);
+    if (update_list_of_pairs(t, net, x) || begins)
+        open_pairs(t, net);
+    memcpy(t->found_at, x, 3 * net->n_nodes * sizeof *x);
     for (size_t i = 0; i < t->n_pairs;) {
         const int32_t node = t->pair[i].node;
         double least = INFINITY, distance;
@@ -362,14 +373,16 @@ static void begin_self_step(network_term *term, palp_network *net) {
     if (t->surface_changes != net->surface_changes)
         list_nodes_of_surface(t, net);
     if (t->n_listed > 0)
-        use_contacts_found(t, find_contacts_of_nodes(t, net, net->now.x));
+        use_contacts_found(t, find_contacts_of_nodes(t, net, true, net->now.x));
 }
 
-/* Does each node that touches have a triangle, and is it still the nearest? */
+/* Nodes that are near have a triangle; have they slid so far that it may be another one? */
 static bool refresh_self_contacts(network_term *term, palp_network *net) {
     self_term *t = (self_term *)term;
-    const size_t n = t->n_listed > 0 ? find_contacts_of_nodes(t, net, net->next.x) : 0;
     bool other = false;
+    if (t->n_listed == 0 || furthest_of_listed_nodes(t, net->next.x, t->found_at) <= LOYAL * t->set.edge)
+        return false;
+    const size_t n = find_contacts_of_nodes(t, net, false, net->next.x);
     for (size_t i = 0; i < n; i++)
         other = other ||
                 (t->found[i].contact.depth > 0.0 && t->triangle[t->found[i].node] != t->found[i].triangle);
@@ -584,6 +597,7 @@ network_term *contact_self_new(const palp_network *net, const palp_contact_setti
     t->pair = arena_take(memory, t->max_pairs, sizeof *t->pair);
     t->built = arena_take(memory, 3 * n, sizeof *t->built);
     t->outward = arena_take(memory, 3 * n, sizeof *t->outward);
+    t->found_at = arena_take(memory, 3 * n, sizeof *t->found_at);
     t->first = arena_take(memory, t->max_cells + 1, sizeof *t->first);
     t->entry = arena_take(memory, t->max_entries, sizeof *t->entry);
     t->contact = arena_take(memory, n, sizeof *t->contact);

@@ -19,7 +19,7 @@ void multigrid_free(multigrid *mg); /* NULL is fine */
 /* Input of the next set. The block of element i is along d d' + across 1, with d the vector between its
  * nodes; across in N/m. The caller fills it before multigrid_begin and leaves it alone until the set is
  * made. */
-enum { MULTIGRID_COUPLINGS = 600 };
+enum { MULTIGRID_COUPLINGS = 2000 };
 
 /* A block between two further nodes, rows of low, columns of high. If no element joins these nodes, only the
  * sweeps of the finest level use it, neither coarser levels nor the factor. */
