@@ -174,6 +174,12 @@ $(SHARED) $(SIM_SHARED): lib/palpate.map
 	@ln -sf $(notdir $@) $(@:$(VERSION)=$(SOVERSION))
 	@ln -sf $(notdir $@) $(@:.$(VERSION)=)
 
+# The Python package, to be imported from build/python; the library lies in its folder.
+PYTHON_PACKAGE := $(BUILD)/python/palpate/c.py
+$(PYTHON_PACKAGE): $(wildcard python/*.py python/src/palpate/*.py) $(HEADERS) lib/palpate.abi | $(SHARED)
+	$(Q)python3 python/backend.py $(@D)
+	@ln -sf ../../$(notdir $(SHARED)) $(@D)/$(SONAME)
+
 # Programs. A line "/* link: FLAGS */" in a program's source adds linker flags, e.g. -Wl,--wrap=malloc.
 own_flags = $(shell sed -n 's,^/\* link: \(.*\) \*/$$,\1,p' $*.c 2>/dev/null)
 link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o $@ $(filter %.o %.a,$^) $(1) $(LIBS)
@@ -217,7 +223,7 @@ ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c
 
 # ---- running -------------------------------------------------------------------------------------
 # These install what is missing first; make then starts anew, since pkg-config may only now be there.
-.PHONY: demo demo-run check check-all asan bench bench-run pictures pictures-run
+.PHONY: demo demo-run python python-build check check-all asan bench bench-run pictures pictures-run
 JOBS = $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 again = +@$(MAKE) --no-print-directory $(JOBS)
 
@@ -230,6 +236,10 @@ poke: ## build/examples/poke/poke: a window that presses, drags and cuts the pha
 	@tools/install-deps poke
 	$(again) poke-build
 poke-build: $(POKE)
+python: ## build/python/palpate, the Python package, to be imported from there (or: pip install ./python)
+	@tools/install-deps python
+	$(again) python-build
+python-build: $(PYTHON_PACKAGE)
 check: ## the tests, built with gcc, in minutes; ends with "N passed, N failed"
 	@tools/install-deps check
 	+@BUILD='$(BUILD)' MAKE='$(MAKE)' tests/run.sh check

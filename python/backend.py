@@ -14,7 +14,7 @@ def make_package(folder):
     """Puts the package, with its generated module, into a folder."""
     os.makedirs(folder, exist_ok=True)
     for name in ('__init__.py', '_base.py'):
-        with open(os.path.join(HERE, 'palpate', name)) as source, open(os.path.join(folder, name), 'w') as target:
+        with open(os.path.join(HERE, 'src', 'palpate', name)) as source, open(os.path.join(folder, name), 'w') as target:
             target.write(source.read())
     subprocess.run([sys.executable, os.path.join(HERE, 'generate.py'), os.path.join(folder, 'c.py')], check=True)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""generate.py: writes palpate/c.py, the whole C library for ctypes, from its headers.
+"""generate.py: writes c.py, the whole C library for ctypes, from its headers.
 
     python3 generate.py FILE
 
@@ -73,7 +73,8 @@ class Generator:
         self.abi = open(os.path.join(ROOT, 'lib/palpate.abi')).read().split('\n')
         self.headers = {os.path.basename(f): open(f).read()
                         for f in sorted(glob.glob(os.path.join(ROOT, 'include/palpate/*.h')))}
-        self.constants, self.enums, self.structs, self.functions, self.opaque = {}, {}, {}, {}, []
+        self.constants, self.enums, self.structs, self.callbacks, self.opaque = {}, {}, {}, {}, []
+        self.functions = {}
         self.aliases = dict(SCALARS)
         self.used_lengths = set()
         self.docs = self.read_docs()
@@ -119,7 +120,7 @@ class Generator:
             self.aliases[match[2]] = SCALARS[match[1]]
         elif match := re.match(r'typedef (\w+) \(?\*?(\w+)\)?\((.*)\);$', line):
             self.aliases[match[2]] = match[2]
-            self.functions[match[2]] = (match[1], split(match[3], ','), None)
+            self.callbacks[match[2]] = (match[1], split(match[3], ','))
 
     def read_enum(self, name, body):
         members, value = [], -1
@@ -146,7 +147,7 @@ class Generator:
         if base == 'void':
             return 'None' if not stars else f'Array(c_void_p, {constant})' if parameter else 'c_void_p'
         name = self.aliases.get(base, 'c_void_p')
-        if name == 'c_void_p' or name in self.functions:
+        if name == 'c_void_p' or name in self.callbacks:
             return name
         if name == 'c_char' and stars:
             first = 'Text' if parameter and constant and stars == 1 else 'c_char_p'
@@ -248,10 +249,7 @@ class Generator:
         for name in self.opaque + [name for name, _ in structs]:
             kind = 'Record' if name in self.structs and not name.endswith('_as') else 'Choice' if name in self.structs else 'Opaque'
             out.write(f'class {name}({kind}):\n    {self.docs.get(name, "")!r}\n    __slots__ = ()\n\n')
-        callbacks = [name for name, function in self.functions.items() if function[2] is None]
-        for name in callbacks:
-            out.write(f'{name} = {self.callback(*self.functions.pop(name)[:2])}\n')
-            self.aliases[name] = name
+        out.write(''.join(f'{name} = {self.callback(*kinds)}\n' for name, kinds in self.callbacks.items()))
         for name, fields in structs:
             out.write(f'complete({name}, [\n')
             for member, kind, shape in fields:

@@ -114,6 +114,7 @@ check)
     scripts gcc "$BUILD"
     programs gcc "$BUILD"
     add "installed library" "sh tests/install/run.sh && sh tests/install/cmake.sh"
+    add "Python package" "sh tests/install/python.sh"
     add "exported symbols" "sh tests/install/symbols.sh"
     add "public headers" "sh tests/install/headers.sh"
     add "manual pages" "sh tests/install/manual.sh"

@@ -331,5 +331,5 @@ def _raise_unless_ok(value, call, arguments):
     if value:
         told = (getattr(a, '_obj', a) for a in arguments)
         text = next((a.text for a in told if type(a).__name__ == 'palp_error' and a.text), None)
-        raise Error(call.members(value), f'{call.__name__}: {text or _text(_library.palp_status_text(value))}')
+        raise Error(call.members(value), f'{call.__name__}: {text or _library.palp_status_text(value)}')
     return value

@@ -296,14 +296,14 @@ class Recording(c.palp_recording):
         return cls.prepare(Experiment.read(path), str(path), **settings)
 
     @classmethod
-    def prepare(cls, experiment, name='', **settings):
+    def prepare(cls, experiment, name='recording', **settings):
         recording = cls()
         c.palp_recording_prepare(experiment, name, c.palp_recording_settings_default().update(**settings), recording,
                                  c.palp_error())
         return own(recording, c.palp_recording_free)
 
     @classmethod
-    def from_arrays(cls, time_s, depth_m, force_N, height_m, radius_m=0.0, name='', **settings):
+    def from_arrays(cls, time_s, depth_m, force_N, height_m, radius_m=0.0, name='recording', **settings):
         """From arrays of any tester; depth and force are positive in compression."""
         header = {'specimen.height_mm': 1e3 * height_m, **({'specimen.radius_mm': 1e3 * radius_m} if radius_m else {})}
         columns = {'time_s': time_s, 'depth_mm': 1e3 * np.asarray(depth_m), 'force_N': force_N}
