@@ -254,13 +254,14 @@ pictures: ## every picture of doc/pictures/ from the product itself (installs a 
 	$(again) pictures-run
 pictures-run: $(TOOL) $(POKE) firmware-host
 	@PALPATE=$(TOOL) tools/pictures.sh
-bench: ## builds and runs every bench/bench_*.c
+bench: ## builds and runs every bench/bench_*.c, and bench_python.py
 	@tools/install-deps build
 	$(again) bench-run
 # One thread: Debian's CHOLMOD starts OpenMP threads whatever OMP_NUM_THREADS says.
-bench-run: $(call prog,$(BENCHES)) $(TOOL)
+bench-run: $(call prog,$(BENCHES)) $(TOOL) $(PYTHON_PACKAGE)
 	@set -e; for b in $(call prog,$(BENCHES)); do \
 	    echo "== $$(basename $$b)"; PALPATE=$(TOOL) OMP_THREAD_LIMIT=1 OPENBLAS_NUM_THREADS=1 $$b; done
+	@if python3 -c 'import numpy' 2>/dev/null; then echo "== bench_python"; python3 bench/bench_python.py; fi
 
 .PHONY: hidden
 SEED ?= 1

@@ -149,6 +149,17 @@ class Command(Folder):
         self.assertAlmostEqual(fit.rms_N[0], told['runs'][0]['rms_N'], 12)
         left = (fit.force(recording) - recording.force_N)[(recording.use != 0) & (recording.depth_m > 0)]
         self.assertAlmostEqual(np.sqrt(np.mean(left**2)), fit.rms_N[0], 9)
+        # The model keeps the covariance, also in its file.
+        model = fit.model(0.03, 0.025)
+        expected = fit.covariance.copy()
+        del fit
+        gc.collect()
+        model.save(self.path('model.json'))
+        covariance = palpate.covariance(self.path('model.json'))
+        np.testing.assert_allclose(covariance, expected, rtol=1e-12)
+        force, sd = palpate.Model.load(self.path('model.json')).band([0, 1], [0, 0.006], covariance)
+        self.assertTrue(0 < sd[1] < force[1])
+        self.assertEqual(json.loads(model.json)['kind'], 'lumped')
         # The same columns by NumPy give the same recording.
         read = palpate.Experiment.read(file)
         again = palpate.Recording.from_arrays(read['time_s'], 1e-3 * read['depth_mm'], read['force_N'], 0.03, 0.025)
@@ -162,6 +173,40 @@ class Command(Folder):
         fit = palpate.characterize([palpate.Recording.read(file)], n_arms=2, dwell_only=True)
         self.compare(fit, told['shared']['estimates'])
         self.assertTrue(fit.converged)
+
+    def test_choice_of_arms_and_law(self):
+        model, runs = palpate.Model.load(DATA + '/sedef2008/lumped_n2.json'), []
+        for depth in (2, 4, 6):
+            file = self.path(f'{depth}.csv')
+            command('simulate', DATA + '/sedef2008/lumped_n2.json', '--protocol', 'ramp_hold', '--depth-mm', depth, '--hold-s', 100,
+                    '--sample-Hz', 20, '--noise-N', 0.002, '--seed', depth, '--out', file)
+            runs.append(palpate.Experiment.read(file))
+        recordings = [palpate.Recording.prepare(run) for run in runs]
+        arms, score, sd = palpate.select_arms(recordings, 3, dwell_only=True)
+        self.assertEqual((arms, len(score), sd[arms]), (2, 4, 0))
+        laws = [palpate.guess_law(recordings, n) for n in (1, 3)]
+        self.assertEqual(palpate.select_law(recordings, laws, n_arms=2, starts=1)[0], 1)
+        self.assertEqual(palpate.select_degree(recordings, 3, laws[0], n_arms=2, starts=1)[1].shape, (4,))
+        for specimens in (palpate.characterize_likelihood(model, runs, most_arms=3),
+                          palpate.characterize_specimens(recordings, [0, 0, 1], laws[1], n_arms=2)):
+            tau = [a.viscosity_Ns / a.stiffness_N for a in specimens.mean.material.arms]
+            wanted = [a.viscosity_Ns / a.stiffness_N for a in model.material.arms]
+            np.testing.assert_allclose(sorted(tau), sorted(wanted), rtol=0.1)
+
+    def test_effects(self):
+        model = palpate.Model.load(DATA + '/sedef2008/lumped_n1.json')
+        t, depth = np.linspace(0, 1, 50), np.linspace(0, 0.004, 50)
+        plain = model.force(t, depth)
+        model.effects, model.n_effects = [palpate.effect('thermal_expansion', **{self.key('thermal_expansion'): 0.01})], 1
+        np.testing.assert_array_equal(model.force(t, depth, columns={'temperature_C': np.full(50, 20.0)}), plain)
+        warm = model.force(t, depth, columns={'temperature_C': 20 + t})
+        self.assertGreater(np.abs(warm - plain).max(), 1e-6)
+        with self.assertRaisesRegex(TypeError, 'has no lag; it has time_s'):
+            palpate.effect('sensor_lag', lag=1)
+
+    @staticmethod
+    def key(id):
+        return c.palp_effect_look_up(c.palp_effect_id(id)).contents.parameter[0].key
 
     def test_explain(self):
         truth = palpate.Model.load(DATA + '/sedef2008/lumped_n1.json')
@@ -353,6 +398,8 @@ class Networks(Folder):
         lattice = palpate.Mesh.lattice([2, 3, 2], [0.01] * 3)
         made = palpate.Mesh.create(lattice.positions, lattice.pairs)
         np.testing.assert_array_equal(made.positions, lattice.positions)
+        with self.assertRaisesRegex(ValueError, 'stays as it is'):
+            network().mesh.add_set('more', [0])
         lattice.add_region('half', lambda x: float(x[0] < 0.005))
         with self.assertRaises(ZeroDivisionError):
             lattice.add_region('broken', lambda x: 1 / 0)
@@ -375,6 +422,24 @@ class Networks(Folder):
         with self.assertRaises(palpate.Error) as caught:
             palpate.calibrate_static(made, lumped.material, depth, force, progress=lambda *_: True)
         self.assertEqual(caught.exception.status.word, 'err_stopped')
+
+    def test_calibrate_presses(self):
+        stiffness = palpate.law('polynomial', [2.0, 1.0])
+        truth = palpate.Model.lattice(palpate.material(stiffness), [4, 4, 4], [0.024] * 3, source={'scaling': 'continuum'})
+        tool, depth, force = palpate.sphere(6e-3, [0.012, 0.030, 0.012]), np.linspace(2e-4, 2e-3, 8), []
+        made = palpate.Network.from_model(truth, supports=[c.palp_support(set='bottom', axis=['fixed'] * 3)])
+        made.enable_tools(1)
+        for deep in depth:
+            tool.position_m = [0.012, 0.030 - deep, 0.012]
+            made.set_tools(tool)
+            made.step(0)
+            force.append(made.tool_forces[0].force_N[1])
+        tool.position_m = [0.012, 0.030, 0.012]
+        found = palpate.Model.of(truth)
+        c.palp_law_scale(truth.material.law, 3.0, found.material.law)
+        result = palpate.calibrate_presses(found, [palpate.press(np.arange(8.0), depth, force, tool, relaxed=True)])
+        np.testing.assert_allclose(result.force_N, force, rtol=1e-3)
+        np.testing.assert_allclose(palpate.law_force(found.material.law, [0.05]), palpate.law_force(stiffness, [0.05]), rtol=0.05)
 
 
 if __name__ == '__main__':

@@ -5,14 +5,14 @@ set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 missing=$(
-    for page in README.md CONTRIBUTING.md doc/*.md data/*/README.md tests/*/README.md doc/*.scd; do
+    for page in README.md CONTRIBUTING.md doc/*.md data/*/README.md tests/*/README.md python/README.md doc/*.scd; do
         folder=$(dirname "$page")
         # links, without those to other sites and to a place in the same page
         grep -o '](\([^)#:]*\)[)#]' "$page" | sed 's/](//; s/[)#]$//' | while read -r target; do
             [ -z "$target" ] || [ -e "$folder/$target" ] || echo "$page: there is no $target"
         done
         # paths that begin with a folder of the tree; those with a * or <name> in them stand for many
-        grep -oE '(^|[^A-Za-z0-9_./-])(lib|tools|tests|firmware|include|bench|data|doc)/[A-Za-z0-9_./*<-]+\.(c|h|sh|py|md|json|mk|awk|dot)\b' "$page" |
+        grep -oE '(^|[^A-Za-z0-9_./-])(lib|tools|tests|firmware|include|bench|data|doc|python)/[A-Za-z0-9_./*<-]+\.(c|h|sh|py|md|json|mk|awk|dot)\b' "$page" |
             sed 's/^[^a-z]//' | LC_ALL=C sort -u | while read -r path; do
             case $path in *'*'* | *'<'* | *NAME*) continue ;; esac
             [ -e "$path" ] || echo "$page: there is no $path"

@@ -18,7 +18,8 @@ __version__ = c.VERSION
 __all__ = ['Error', 'Experiment', 'Recording', 'Model', 'Path', 'Mesh', 'Network', 'Realtime', 'LumpedFit', 'SpecimensFit',
            'Explanation', 'Calibration', 'law', 'law_force', 'material', 'effect', 'guess_law', 'characterize',
            'characterize_specimens', 'characterize_likelihood', 'select_arms', 'select_degree', 'select_law', 'explain',
-           'calibrate_static', 'calibrate_relaxation', 'calibrate_presses', 'sphere', 'capsule', 'plane', 'covariance', 'c']
+           'calibrate_static', 'calibrate_relaxation', 'calibrate_presses', 'press',
+           'sphere', 'capsule', 'plane', 'covariance', 'c']
 
 _free = ctypes.CDLL(None).free
 _free.argtypes = [ctypes.c_void_p]
@@ -127,6 +128,8 @@ def effect(id, **values):
     c.palp_effect_default(id, made)
     keys = [p.key for p in info.parameter]
     for key, value in values.items():
+        if key not in keys:
+            raise TypeError(f'{info.id} has no {key}; it has {", ".join(keys)}')
         made.value[keys.index(key)] = value * info.parameter[keys.index(key)].unit
     c.palp_effect_check(made, c.palp_error())
     return made
@@ -193,14 +196,19 @@ class Model(c.palp_model):
         c.palp_model_mesh(self, byref(pointer), c.palp_error())
         return Mesh(pointer, c.palp_mesh_free)
 
-    def _run(self, time_s, depth_m, members):
-        time_s, depth_m = _numbers(time_s, depth_m)
-        return c.palp_forward_run(n=len(time_s), time_s=time_s, depth_m=depth_m, **members), np.empty(len(time_s))
+    def _run(self, time_s, depth_m, members, columns={}):
+        time_s, depth_m, *values = _numbers(time_s, depth_m, *columns.values())
+        listed = [c.palp_forward_column(name=name, value=value) for name, value in zip(columns, values)]
+        run = c.palp_forward_run(n=len(time_s), time_s=time_s, depth_m=depth_m, n_columns=len(listed),
+                                 column=_array(c.palp_forward_column, listed), **members)
+        run._keep['columns'] = listed
+        return run, np.empty(run.n)
 
-    def force(self, time_s, depth_m, gradient=False, settings=None, **run):
-        """Force along a path of the encoder, with all effects; run: members of c.palp_forward_run. With gradient,
-        of a lumped model, also the derivatives [parameter, sample]. settings: c.palp_network_settings of a network."""
-        run, force = self._run(time_s, depth_m, run)
+    def force(self, time_s, depth_m, gradient=False, settings=None, columns={}, **run):
+        """Force along a path of the encoder, with all effects; columns: arrays that effects read, by name; run:
+        members of c.palp_forward_run. With gradient, of a lumped model, also the derivatives [parameter, sample].
+        settings: c.palp_network_settings of a network."""
+        run, force = self._run(time_s, depth_m, run, columns)
         if self.kind == c.PALP_MODEL_NETWORK:
             c.palp_forward_network(self, settings, run, force, c.palp_error())
             return force
@@ -440,6 +448,8 @@ def select_law(recordings, laws, **settings):
 
 def _inputs(experiments, names):
     names = names or [f'run {i + 1}' for i in range(len(experiments))]
+    if len(names) != len(experiments):
+        raise ValueError('one name for each experiment')
     return _array(c.palp_explain_input,
                   [c.palp_explain_input(experiment=e._as_parameter_, name=n) for e, n in zip(experiments, names)])
 
@@ -533,9 +543,15 @@ def calibrate_relaxation(network, start, targets, progress=None, **settings):
                       start, len(made), array)
 
 
+def press(time_s, depth_m, force_N, tool=None, relaxed=False):
+    """A press to meet (c.palp_press_target): by the plate, or by a tool from where it just touches, along -y."""
+    time_s, depth_m, force_N = _numbers(time_s, depth_m, force_N)
+    return c.palp_press_target(plate=tool is None, tool=tool or c.palp_tool(), relaxed=relaxed, n=len(time_s), time_s=time_s,
+                               depth_m=depth_m, force_N=force_N)
+
+
 def calibrate_presses(model, presses, mesh=None, progress=None, **settings):
-    """Fits a network model to presses (c.palp_press_target) by plates and tools; the model has the result then.
-    settings: c.palp_presses_settings."""
+    """Fits a network model to presses by plates and tools; the model has the result then. settings: c.palp_presses_settings."""
     return _calibrate(c.palp_calibrate_presses, c.palp_presses_settings_default(), settings, progress, model,
                       mesh or model.make_mesh(), len(presses), _array(c.palp_press_target, presses))
 
@@ -544,7 +560,15 @@ def calibrate_presses(model, presses, mesh=None, progress=None, **settings):
 
 class Mesh(_Handle):
     """Particles and elements; arrays are views."""
-    __slots__ = ()
+    __slots__ = ('_changeable',)
+
+    def __init__(self, pointer, free, *keep):
+        super().__init__(pointer, free, *keep)
+        self._changeable = not keep
+
+    def _change(self):
+        if not self._changeable:
+            raise ValueError('the mesh of a network stays as it is')
 
     @classmethod
     def _make(cls, maker, *arguments):
@@ -572,14 +596,17 @@ class Mesh(_Handle):
 
     def scale(self, scaling='continuum', area_m2=0.0):
         """Divides a solid's stiffness among the elements, once."""
+        self._change()
         self._refuse_views()
         c.palp_mesh_scale(self, scaling, area_m2, c.palp_error())
 
     def transform(self, rotation, translation_m):
+        self._change()
         rotation, translation_m = np.reshape(rotation, 9), np.reshape(translation_m, 3)
         c.palp_mesh_transform(self, rotation, translation_m)
 
     def add_set(self, name, nodes):
+        self._change()
         c.palp_mesh_add_set(self, name, len(nodes), np.array(nodes))
 
     def set(self, name):
@@ -590,6 +617,7 @@ class Mesh(_Handle):
 
     def add_region(self, name, place):
         """place(x_m) is the part, 0 to 1, of the tissue at a place that belongs to the region."""
+        self._change()
         raised = []
 
         def call(_, x_m):
@@ -615,18 +643,18 @@ class Mesh(_Handle):
 
 def sphere(radius_m, position_m, friction=0.0):
     """A tool (c.palp_tool); position_m is its centre."""
-    return c.palp_tool(shape='sphere', radius_m=radius_m, position_m=position_m, friction=friction)
+    return c.palp_tool(shape=c.PALP_TOOL_SPHERE, radius_m=radius_m, position_m=position_m, friction=friction)
 
 
 def capsule(radius_m, position_m, axis, length_m, friction=0.0):
     """A cylinder with round ends from position_m along axis, a unit vector."""
-    return c.palp_tool(shape='capsule', radius_m=radius_m, position_m=position_m, axis=axis, length_m=length_m,
+    return c.palp_tool(shape=c.PALP_TOOL_CAPSULE, radius_m=radius_m, position_m=position_m, axis=axis, length_m=length_m,
                        friction=friction)
 
 
 def plane(position_m, normal, friction=0.0):
     """The half space behind a plane; normal, a unit vector, points to the tissue."""
-    return c.palp_tool(shape='plane', position_m=position_m, axis=normal, friction=friction)
+    return c.palp_tool(shape=c.PALP_TOOL_PLANE, position_m=position_m, axis=normal, friction=friction)
 
 
 class Network(_Handle):
@@ -805,7 +833,7 @@ class Network(_Handle):
 
 class Realtime(_Handle):
     """Steps a network within a haptic tick."""
-    __slots__ = ('network', '_budget', '_last')
+    __slots__ = ('network', '_budget')
 
     def __init__(self, network, **settings):
         """settings: c.palp_realtime_settings. It keeps the network."""

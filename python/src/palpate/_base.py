@@ -5,6 +5,7 @@ The array has the memory of the C library, and keeps it alive."""
 import ctypes
 import ctypes.util
 import enum
+import functools
 import os
 import weakref
 from ctypes import POINTER, c_char, c_char_p, c_int, c_void_p
@@ -44,13 +45,17 @@ class Error(Exception):
         self.status = status
 
 
+@functools.lru_cache(None)
+def _prefix(members):
+    return os.path.commonprefix([name[:name.rfind('_') + 1] for name in members.__members__])
+
+
 class Enum(enum.IntEnum):
     """An enumeration of the library. Wherever one is wanted, the end of a member's name will do: 'stable'."""
 
     @property
     def word(self):
-        names = list(type(self).__members__)
-        return self.name[len(os.path.commonprefix([n[:n.rfind('_') + 1] for n in names])):].lower()
+        return self.name[len(_prefix(type(self))):].lower()
 
     @classmethod
     def _missing_(cls, value):
