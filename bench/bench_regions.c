@@ -53,7 +53,7 @@ static palp_realtime *make(int kind) {
     palp_mesh *mesh = NULL;
     palp_network *net = NULL;
     palp_realtime *rt = NULL;
-    touch.self = kind > 2;
+    touch.tissue = kind > 2;
     choose_regions(kind, region);
     bench_check(palp_mesh_lattice((size_t[]){NODES, NODES, NODES}, (double[]){HEIGHT, HEIGHT, HEIGHT},
                                   PALP_NEIGHBOURS_26, &mesh),

@@ -34,8 +34,8 @@ static palp_realtime *make(int kind) {
     palp_mesh *lower = cube(), *upper = cube(), *both = NULL;
     palp_network *net = NULL;
     palp_realtime *rt = NULL;
-    touch.self = kind > 0;
-    touch.self_friction = 0.2;
+    touch.tissue = kind > 0;
+    touch.tissue_friction = 0.2;
     bench_check(palp_law_polynomial(1, (double[]){8.18}, &m.law), "law");
     bench_check(palp_mesh_transform(upper, (double[]){1, 0, 0, 0, 1, 0, 0, 0, 1},
                                     (double[]){0.003, HEIGHT + (kind < 2 ? 0.02 : 0.0), 0.002}),

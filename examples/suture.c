@@ -44,8 +44,8 @@ static palp_status make_network(palp_network **network) {
         status = palp_law_polynomial(1, &modulus_N, &material.law);
     if (!status)
         status = palp_network_create(both, &material, 2, supports, &settings, network, NULL);
-    contact.self = true;
-    contact.self_friction = 0.3;
+    contact.tissue = true;
+    contact.tissue_friction = 0.3;
     if (!status)
         status = palp_network_enable_tools(*network, 0, 0, &contact);
     if (!status)

@@ -5,6 +5,7 @@
 
 Types come from lib/palpate.abi, where `make symbols` puts them with all macros expanded; functions, their
 parameters and all comments come from include/palpate/*.h. The result belongs to the wheel, not to the repository."""
+import ctypes
 import glob
 import keyword
 import os
@@ -242,6 +243,8 @@ class Generator:
         for text in self.headers.values():
             for name, value in re.findall(r'^#define (PALP_\w+) ([0-9.]+)$', text, re.M):
                 self.constants[name] = float(value) if '.' in value else int(value)
+            for name in re.findall(r'^#define (PALP_\w+) \(\(size_t\)-1\)$', text, re.M):
+                self.constants[name] = ctypes.c_size_t(-1).value
         out.write(''.join(f'{name} = {value}\n' for name, value in self.constants.items()
                           if not any(name in dict(m) for m in self.enums.values())))
         out.write(''.join(f'{name} = {enum}.{name}\n' for enum, m in self.enums.items() for name, _ in m) + '\n')

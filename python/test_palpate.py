@@ -369,6 +369,26 @@ class Networks(Folder):
             made.step(0, 0.1)
             self.assertGreater(made.tool_forces[0].force_N[1], 0.01)
 
+    def test_parts_and_ties(self):
+        lower, upper = (palpate.Mesh.lattice([4] * 3, [0.02] * 3) for _ in range(2))
+        upper.transform(np.eye(3), [0, 0.021, 0])
+        both = lower.join(upper, 'upper')
+        self.assertEqual(len(both.positions), 128)
+        np.testing.assert_array_equal(both.set('upper.top'), upper.set('top') + 64)
+        made = palpate.Network(both, palpate.material(palpate.law('polynomial', [5.0])),
+                               [c.palp_support(set='bottom', axis=['fixed'] * 3),
+                                c.palp_support(set='upper.top', axis=['fixed', 'driven', 'fixed'], motion=[0, -1, 0])])
+        made.enable_tools(0, tissue=True)
+        made.enable_ties(1)
+        points = [made.tie_point([0.01, y, 0.01]) for y in (0.015, 0.026)]
+        made.set_ties(c.palp_tie(n_points=2, point=points, length_m=0.01, stiffness_N_m=50.0, strength_N=np.inf))
+        made.step(0, 0.1)
+        (tie,) = made.ties
+        self.assertAlmostEqual(tie.force_N, 50 * (tie.length_m - 0.01), places=12)
+        self.assertGreater(tie.force_N, 1e-3)
+        made.step(2e-3, 0.1)
+        self.assertTrue(made.contacts and all(k.tool == c.PALP_CONTACT_TISSUE for k in made.contacts))
+
     def test_saved_states(self):
         made = touched()
         made.reset()

@@ -589,7 +589,7 @@ network_term *contact_self_new(const palp_network *net, const palp_contact_setti
     own.local = false;
     contact_set_create(&t->set, memory, n, net->rest, triangles, net->surface, net->unit, net->extent, 1,
                        &own);
-    t->friction = settings->self_friction;
+    t->friction = settings->tissue_friction;
     t->max_pairs = PAIRS * triangles;
     t->max_cells = CELLS * triangles;
     t->max_entries = ENTRIES * triangles + 4 * tetrahedra; /* all triangles of a cut mesh, in one cell */

@@ -425,10 +425,10 @@ palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_
     const palp_contact_settings *s = &own;
     bool weighs = dot3(s->gravity_m_s2, s->gravity_m_s2) > 0.0;
     if (!positive(s->stiffness) || !positive(s->grasp_stiffness) || !positive(s->smoothing) ||
-        !(s->self_friction >= 0.0 && isfinite(s->self_friction)) || s->subdivisions > MOST_SUBDIVISIONS ||
+        !(s->tissue_friction >= 0.0 && isfinite(s->tissue_friction)) || s->subdivisions > MOST_SUBDIVISIONS ||
         !finite3(s->gravity_m_s2) || (weighs && !net->mass))
         return PALP_ERR_ARGUMENT;
-    if ((max_tools > 0 || s->self) && net->n_surface == 0)
+    if ((max_tools > 0 || s->tissue) && net->n_surface == 0)
         return PALP_ERR_UNSUPPORTED;
     if (s->subdivisions > 0 && net->surface != palp_mesh_triangles(net->mesh))
         return PALP_ERR_UNSUPPORTED;
@@ -439,7 +439,7 @@ palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_
     terms[n++] = grasp_new(max_grasped, s->grasp_stiffness);
     terms[n++] = create_contact_term(net, max_tools, s);
     palp_status status = reserve_tangent_pairs(net, terms[n - 1]);
-    if (!status && s->self) {
+    if (!status && s->tissue) {
         terms[n++] = contact_self_new(net, s);
         status = network_make_far_room(net, SELF_BLOCKS * net->n_surface);
     }

@@ -50,6 +50,10 @@ class Mesh(Handle):
     def read_gmsh(cls, path, scale_m=1e-3, hex_diagonals=False):
         return cls._make(c.palp_mesh_read_gmsh, path, scale_m, hex_diagonals, (c.palp_error(),))
 
+    def join(self, other, name):
+        """Both as separate parts of a new mesh; all of the other is the set and the region name, its sets name.set."""
+        return Mesh._make(c.palp_mesh_join, self, other, name, ())
+
     def scale(self, scaling='continuum', area_m2=0.0):
         """Divides a solid's stiffness among the elements, once."""
         self._change()
@@ -115,7 +119,7 @@ def plane(position_m, normal, friction=0.0):
 
 class Network(Handle):
     """Particles joined by springs and dashpots. Arrays view the last committed state until the next step."""
-    __slots__ = ('max_tools',)
+    __slots__ = ('max_tools', 'max_ties')
 
     def __init__(self, mesh, material, supports=None, **settings):
         """supports: a list of c.palp_support; None: bottom fixed, top driven. settings: c.palp_network_settings."""
@@ -134,7 +138,7 @@ class Network(Handle):
         return network
 
     def _start(self, pointer):
-        self.max_tools = 0
+        self.max_tools = self.max_ties = 0
         Handle.__init__(self, pointer, c.palp_network_free)
 
     @staticmethod
@@ -272,6 +276,28 @@ class Network(Handle):
         force = np.empty(3)
         c.palp_network_grasp_force(self, len(nodes), np.array(nodes), force)
         return force
+
+    def enable_ties(self, max_ties):
+        """Prepares for threads and rods, once; resets."""
+        c.palp_network_enable_ties(self, max_ties)
+        self.max_ties = max_ties
+
+    def set_ties(self, *ties):
+        """The ties of the next steps, each a c.palp_tie; their points as from tie_point."""
+        c.palp_network_set_ties(self, len(ties), array(c.palp_tie, ties))
+
+    @property
+    def ties(self):
+        """A c.palp_tie_state for each of max_ties: force, length, and whether it is torn."""
+        states = (c.palp_tie_state * self.max_ties)()
+        c.palp_network_ties(self, states)
+        return list(states)
+
+    def tie_point(self, place_m):
+        """The c.palp_tie_point of the tissue nearest to a place at rest."""
+        point = c.palp_tie_point()
+        c.palp_tie_point_at(c.palp_network_mesh(self), np.reshape(place_m, 3), point)
+        return point
 
     def enable_cutting(self):
         self._refuse_views()

@@ -29,8 +29,8 @@ static palp_material linear(void) {
 
 static palp_contact_settings touching(double friction) {
     palp_contact_settings s = palp_contact_settings_default();
-    s.self = true;
-    s.self_friction = friction;
+    s.tissue = true;
+    s.tissue_friction = friction;
     return s;
 }
 
@@ -291,7 +291,7 @@ START_TEST(lips_of_a_cut_close) {
         const palp_network_settings settings = palp_network_settings_default();
         palp_network *net = network_on(mesh, &m, &settings);
         size_t n;
-        touch.self = i == 1;
+        touch.tissue = i == 1;
         ck_assert_int_eq(palp_network_enable_cutting(net), PALP_OK);
         ck_assert_int_eq(palp_network_enable_tools(net, 0, 0, &touch), PALP_OK);
         ck_assert_int_eq(

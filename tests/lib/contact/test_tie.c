@@ -204,7 +204,7 @@ static palp_network *pulled(palp_mesh *mesh, const char *top, size_t max_ties, b
     palp_contact_settings contact_settings = palp_contact_settings_default();
     const palp_network_settings settings = palp_network_settings_default();
     palp_network *net = NULL;
-    contact_settings.self = touch;
+    contact_settings.tissue = touch;
     ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &settings, &net, NULL), PALP_OK);
     ck_assert_int_eq(palp_network_enable_ties(net, max_ties), PALP_OK);
     ck_assert_int_eq(palp_network_enable_tools(net, 0, 0, &contact_settings), PALP_OK);
