@@ -27,6 +27,7 @@ static const subcommand subcommands[] = {
      "find the element material with which a network meets a lumped model or runs", cmd_calibrate},
     {NULL, "simulate", "press a model: static, ramp and hold, cyclic, creep, or as a run was recorded",
      cmd_simulate},
+    {NULL, "inclusion", "find a stiffer or softer ball in a network from a map of presses", cmd_inclusion},
     {NULL, "reduce", "a small model of a large network, fast enough for a simulator's tick", cmd_reduce},
     {NULL, "explain", "find where a model and recordings disagree, and name the effect that is missing",
      cmd_explain},

@@ -18,6 +18,7 @@
 #include <palpate/model.h>
 #include <palpate/moduli.h>
 #include <palpate/network.h>
+#include <palpate/palpation.h>
 #include <palpate/path.h>
 #include <palpate/random.h>
 #include <palpate/realtime.h>

@@ -12,6 +12,7 @@ int cmd_characterize(int argc, char **argv);
 int cmd_report(int argc, char **argv);
 int cmd_simulate(int argc, char **argv);
 int cmd_calibrate(int argc, char **argv);
+int cmd_inclusion(int argc, char **argv);
 int cmd_reduce(int argc, char **argv);
 int cmd_explain(int argc, char **argv);
 int cmd_export(int argc, char **argv);
