@@ -78,7 +78,7 @@ int main(void) {
         rt[kind] = make(kind);
     for (int i = 0; i < TICKS; i++) {
         const double t = DT * i;
-        palp_tool sphere = {PALP_TOOL_SPHERE, {0, 0, 0.5 * HEIGHT}, {0, 0, 0}, 0, 0.005, 0.2};
+        palp_tool sphere = {PALP_TOOL_SPHERE, {0, 0, 0.5 * HEIGHT}, {0, 0, 0}, 0, 0.005, 0.2, {0}, NULL};
         sphere.position_m[0] = HEIGHT * (0.5 + 0.2 * sin(3.0 * t));
         sphere.position_m[1] = HEIGHT + 0.005 - 1e-3 * fmin(1.0, 5.0 * t) * (1.0 + 0.3 * sin(9.0 * t));
         for (int kind = 0; kind < KINDS; kind++) {

@@ -21,7 +21,7 @@ int main(int argc, char **argv) {
     palp_mesh_bounds(palp_network_mesh(network), low, high);
     const double radius_m = (high[1] - low[1]) / 5;
     const double x = (low[0] + high[0]) / 2, z = (low[2] + high[2]) / 2;
-    palp_tool sphere = {PALP_TOOL_SPHERE, {x, 0, z}, {0, 0, 0}, 0, radius_m, 0.3};
+    palp_tool sphere = {PALP_TOOL_SPHERE, {x, 0, z}, {0, 0, 0}, 0, radius_m, 0.3, {0}, NULL};
     palp_status status = palp_network_enable_tools(network, 1, 0, &contact);
 
     for (int i = 1; i <= 100 && !status; i++) { /* 0.1 s: a tenth of the height down */

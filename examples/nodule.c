@@ -12,7 +12,7 @@ static palp_status press(palp_network *network, double x_m, double *force_N) {
     palp_tool_force felt;
     palp_mesh_bounds(palp_network_mesh(network), low, high);
     const double height_m = high[1] - low[1], radius_m = height_m / 8, z_m = (low[2] + high[2]) / 2;
-    palp_tool sphere = {PALP_TOOL_SPHERE, {x_m, 0, z_m}, {0, 0, 0}, 0, radius_m, 0};
+    palp_tool sphere = {PALP_TOOL_SPHERE, {x_m, 0, z_m}, {0, 0, 0}, 0, radius_m, 0, {0}, NULL};
     palp_status status = PALP_OK;
     palp_network_reset(network);
     for (int i = 1; i <= 10 && !status; i++) {

@@ -11,24 +11,50 @@ extern "C" {
 typedef enum palp_tool_shape {
     PALP_TOOL_SPHERE,
     PALP_TOOL_CAPSULE, /* a cylinder with round ends */
-    PALP_TOOL_PLANE    /* the half space behind a plane */
+    PALP_TOOL_PLANE,   /* the half space behind a plane */
+    PALP_TOOL_HULL     /* the convex hull of points, with round edges */
 } palp_tool_shape;
+
+/* The convex hull of points: a box, a wedge, a jaw. Lengths in m, in a frame of its own. */
+typedef struct palp_hull palp_hull;
+
+enum { PALP_HULL_POINTS = 64 };
+
+/* Makes the hull of points_m[3 n]; those inside it are dropped. Points within a millionth of its size of a
+ * plane count as on it. The caller owns *hull, which any number of tools and networks may share. error may be
+ * NULL. ERR_ARGUMENT: fewer than 4 points, a number that is not finite; ERR_LIMIT: more than
+ * PALP_HULL_POINTS; ERR_INPUT: all points lie in a plane, or nearly so; ERR_NO_MEMORY. */
+PALP_API palp_status palp_hull_create(size_t n, const double *points_m, palp_hull **hull, palp_error *error);
+
+/* The box from -half_m to half_m on each axis. Errors as above. */
+PALP_API palp_status palp_hull_create_box(const double half_m[3], palp_hull **hull, palp_error *error);
+
+PALP_API void palp_hull_free(palp_hull *hull); /* NULL is allowed */
 
 /* A tool and its pose, in the mesh's coordinates. Contact is one-sided: a penalty force where the surface is
  * inside the tool, quadratic in the depth at first touch and linear beyond, with Coulomb friction. A plane
  * touches nodes of the surface. A sphere or capsule touches triangles in fixed points, so that even a small
- * tool has contact between nodes. With subdivisions tools touch the vertices of a smooth surface
- * instead: Loop's limit surface (Loop 1987, Hoppe et al. 1994) of nodes smoothed once by the same scheme. Its
- * vertices are fixed means of nearby nodes, so that a sliding tool feels little of the mesh. A tool should be
- * thicker than its triangles. */
+ * tool has contact between nodes. A hull touches them in fixed points too, each with its part of the penalty
+ * of a plane. With subdivisions tools touch the vertices of a smooth surface instead: Loop's limit surface
+ * (Loop 1987, Hoppe et al. 1994) of nodes smoothed once by the same scheme. Its vertices are fixed means of
+ * nearby nodes, so that a sliding tool feels little of the mesh. A tool should be thicker than its triangles.
+ *
+ * A hull's frame is turned by orientation and then has its origin at position_m. Of other shapes orientation
+ * says how they have turned, which only friction feels: a sphere that spins drags the tissue. Where it is
+ * zero now and before, a capsule or plane turns as its axis does, without spin. */
 typedef struct palp_tool {
     palp_tool_shape shape;
-    double position_m[3]; /* sphere: centre; capsule: the centre of its first end; plane: a point of it */
+    double position_m[3]; /* sphere: centre; capsule: the centre of its first end; plane: a point of it; hull:
+                             the origin of its frame */
     double axis[3];  /* unit vector: the capsule's, towards its other end; the plane's normal, towards the
                         tissue */
     double length_m; /* capsule: between the centres of its ends */
-    double radius_m; /* sphere, capsule */
-    double friction; /* Coulomb's coefficient, 0 = smooth */
+    double
+        radius_m; /* sphere, capsule; hull: by which it is thicker all round, so that its edges are round */
+    double friction;       /* Coulomb's coefficient, 0 = smooth */
+    double orientation[4]; /* unit quaternion w, x, y, z from the tool's own frame to the mesh's; all zero:
+                              not turned */
+    const palp_hull *hull; /* of PALP_TOOL_HULL; the caller's, who keeps it while the network has the tool */
 } palp_tool;
 
 /* Force of the tissue on a tool, and its moment about position_m. */
@@ -58,7 +84,7 @@ typedef struct palp_contact {
 
 typedef struct palp_contact_settings {
     double stiffness; /* of the penalty, relative to a surface node's stiffness by its elements at rest with
-                         all arms; shared among its triangles; 20 */
+                         all arms; shared among its triangles and their points; 20 */
     double grasp_stiffness; /* of the spring to a grasped node's target, in the same units; 100 */
     double smoothing;       /* depth at which the penalty becomes linear, of the surface's mean edge; 0.01 */
     /* Times that each triangle of the surface becomes four for tools to touch, see palp_tool; at most 4.
@@ -90,10 +116,12 @@ PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max
                                                const palp_contact_settings *settings);
 
 /* Sets the tools for the next steps until the next call; they are copied. A tool is identified by its index.
- * It moves on a straight line from its place at the last committed step. A step follows
- * it in parts of at most half an edge of the surface and a quarter of its radius. ERR_ARGUMENT:
- * more than max_tools, a number that is not finite, an axis (capsule, plane) that is no unit vector within
- * 1e-6, a radius that is not positive, a negative length or friction. */
+ * It moves on a straight line from its place at the last committed step, and turns by the shorter way. A step
+ * follows it in parts of at most half an edge of the surface and a quarter of its radius, a hull in parts of
+ * its whole radius. ERR_ARGUMENT: more than max_tools, a number that is not finite, an axis (capsule,
+ * plane) that is no unit vector within 1e-6, nor an orientation unless it is zero, a radius that is not
+ * positive, a negative length or friction, no hull. A saved state has no hulls: a tool restored has that of
+ * its index at present, and without one touches nothing until the tools are set. */
 PALP_API palp_status palp_network_set_tools(palp_network *network, size_t n, const palp_tool *tools);
 
 /* Force on each tool at the last committed state, force[n of set_tools]; zeros before the first step of a

@@ -18,6 +18,8 @@ double contact_distance(const palp_tool *tool, const double point[3]) {
     along3(point, -1.0, tool->position_m, d);
     if (tool->shape == PALP_TOOL_PLANE)
         return fmax(dot3(d, tool->axis), 0.0);
+    if (tool->shape == PALP_TOOL_HULL)
+        return contact_hull_distance(tool, point);
     along3(d, -contact_along(tool, point), tool->axis, d);
     return sqrt(dot3(d, d));
 }
@@ -85,7 +87,7 @@ double contact_slid(const contact_set *set, const contact *c, const double *x) {
         contact_point(c, c->share, x, point);
         return fabs(contact_along(&set->pose[c->tool], point) - c->along);
     }
-    if (c->corners == 1)
+    if (c->corners == 1 || set->pose[c->tool].shape == PALP_TOOL_HULL)
         return 0.0;
     const double *corner[3] = {x + 3 * c->node[0], x + 3 * c->node[1], x + 3 * c->node[2]};
     return fabs(nearest_point_on_axis(&set->pose[c->tool], corner) - c->along);
@@ -98,6 +100,8 @@ static double fade_by_surface_normal(const palp_tool *tool, const double normal[
     along3(to, -1.0, c->point, to);
     double cosine =
         length > 0.0 && c->distance > 0.0 ? dot3(to, normal) / (length * c->distance * STEEP) : 0.0;
+    if (tool->shape == PALP_TOOL_HULL)
+        cosine = length > 0.0 ? contact_hull_facing(tool, c, normal) / (length * STEEP) : 0.0;
     return cosine >= 1.0 ? 1.0 : cosine > 0.0 ? cosine * cosine * (3.0 - 2.0 * cosine) : 0.0;
 }
 
@@ -156,10 +160,15 @@ static void find_records_of_triangle(search *s, int32_t tool, const int32_t node
     s->cursor = s->last;
 }
 
+/* Is it a fixed point of a triangle near a hull? */
+static bool is_point_in_hull(const contact_set *set, const contact *c) {
+    return c->corners == 3 && set->pose[c->tool].shape == PALP_TOOL_HULL;
+}
+
 /* The committed state's record of a contact, or NULL. */
 static const contact_touch *find_remembered_touch(search *s, const contact *c) {
     const contact_state *now = &s->set->now;
-    if (!c->fixed) {
+    if (!c->fixed && !is_point_in_hull(s->set, c)) {
         const size_t at = find_first_record(s, c->tool, c->node);
         return at < now->n_touches ? &now->touch[at] : NULL;
     }
@@ -169,15 +178,15 @@ static const contact_touch *find_remembered_touch(search *s, const contact *c) {
     return NULL;
 }
 
-/* Where a point of the tool that was at place is now: it follows the tool's position and the smallest
- * rotation of its axis. */
+/* Where a point of the tool that was at place is now: it follows the tool's position and orientation, or
+ * without one the smallest rotation of its axis. */
 static void displacement_of_tool_point(const palp_tool *was, const palp_tool *is, const double place[3],
                                        double moved[3]) {
     double arm[3], turn[3], once[3], twice[3];
     along3(is->position_m, -1.0, was->position_m, moved);
-    if (is->shape == PALP_TOOL_SPHERE)
-        return;
     along3(place, -1.0, was->position_m, arm);
+    if (contact_turn_arm(was, is, arm, moved) || is->shape == PALP_TOOL_SPHERE)
+        return;
     cross3(was->axis, is->axis, turn);
     double cosine = dot3(was->axis, is->axis);
     if (cosine < -0.99)
@@ -199,7 +208,9 @@ static double depth_before_step(search *s, const contact *c, const palp_tool *po
         return dip.depth + c->early;
     }
     contact there = *c;
-    contact_measure(pose, &there, s->committed);
+    palp_tool then = *pose;
+    then.hull = s->set->pose[c->tool].hull; /* that of a pose before is not followed */
+    contact_measure(&then, &there, s->committed);
     *distance = there.distance;
     return there.depth;
 }
@@ -306,9 +317,9 @@ static double local_compliance(double radius_in_spacings) {
 }
 
 /* The penalty of a point of a smooth surface: for a sphere or capsule what the tissue below lacks in the
- * mesh. A plane touches all nodes, however its force is spread. */
+ * mesh. A plane or hull touches all nodes, however its force is spread. */
 static double stiffness_of_node_contact(const contact_set *set, const palp_tool *tool, int32_t node) {
-    if (tool->shape != PALP_TOOL_PLANE)
+    if (contact_tool_is_round(tool))
         return set->solid * set->modulus * set->local[node] / local_compliance(tool->radius_m / set->spacing);
     return set->settings.stiffness * set->modulus * set->unit[node];
 }
@@ -318,7 +329,7 @@ static void find_point_contacts(search *s, int32_t tool, double reach) {
     const palp_tool *pose = &set->pose[tool];
     for (size_t i = 0; i < set->points.n; i++) {
         const int32_t node = set->points.node[i];
-        contact c = {.tool = tool, .node = {node, -1, -1}, .corners = 1};
+        contact c = {.tool = tool, .node = {node, -1, -1}, .corners = 1, .share = {1.0}};
         contact_measure(pose, &c, s->x);
         if (!(c.depth > -reach))
             continue;
@@ -410,6 +421,23 @@ static void find_point_of_triangle(search *s, const facet *f, double reach, int 
         set->n_contacts++;
 }
 
+/* A hull has the penalty of a plane there, less where it meets the triangle from the side. */
+static void find_point_in_hull(search *s, const facet *f, double reach, int part, const double share[3]) {
+    const palp_tool *pose = &s->set->pose[f->tool];
+    contact c = {.tool = f->tool,
+                 .node = {f->node[0], f->node[1], f->node[2]},
+                 .corners = 3,
+                 .part = part,
+                 .share = {share[0], share[1], share[2]}};
+    contact_measure(pose, &c, s->x);
+    if (!(c.depth > -reach))
+        return;
+    c.stiffness =
+        s->set->settings.stiffness * f->stiffness * fade_by_surface_normal(pose, s->now.outward, &c);
+    if (c.stiffness > 0.0)
+        add_contact_to_set(s, &c);
+}
+
 /* Is all of a tool's axis further than this over a triangle's plane? */
 static bool is_axis_above_plane(const palp_tool *tool, double distance, const contact_plane *plane,
                                 const double corner[3]) {
@@ -424,29 +452,38 @@ static bool is_axis_above_plane(const palp_tool *tool, double distance, const co
 static void find_points_of_triangle(search *s, int32_t tool, const int32_t *node, double reach) {
     const contact_set *set = s->set;
     facet f = {.tool = tool, .node = node, .spacing = spacing_of_triangle(set, node)};
-    f.parts = (int)fmin(fmax(ceil(FINE * set->edge / set->pose[tool].radius_m), FEWEST), MOST);
+    const bool hull = set->pose[tool].shape == PALP_TOOL_HULL;
+    f.parts = (int)fmin(fmax(ceil(FINE * set->edge / contact_thickness(&set->pose[tool])), FEWEST), MOST);
     f.stiffness = stiffness_of_triangle(set, node) / (set->settings.stiffness * f.parts * f.parts);
     contact_plane_at(node, s->x, &s->now);
-    if (is_axis_above_plane(&set->pose[tool],
-                            set->pose[tool].radius_m + reach + set->edge * set->settings.smoothing, &s->now,
-                            s->x + 3 * node[0]))
+    if (!hull && is_axis_above_plane(&set->pose[tool],
+                                     set->pose[tool].radius_m + reach + set->edge * set->settings.smoothing,
+                                     &s->now, s->x + 3 * node[0]))
         return;
     find_records_of_triangle(s, tool, node);
     for (int part = 0, row = 0; row < f.parts; row++)
         for (int k = 0; k < 2 * (f.parts - row) - 1; k++, part++) {
             const double third = (1 + (k & 1)) / 3.0, a = (row + third) / f.parts,
                          b = (k / 2 + third) / f.parts;
-            find_point_of_triangle(s, &f, reach, part, (double[]){1.0 - a - b, a, b});
+            const double share[3] = {1.0 - a - b, a, b};
+            if (hull)
+                find_point_in_hull(s, &f, reach, part, share);
+            else
+                find_point_of_triangle(s, &f, reach, part, share);
         }
 }
 
-/* low, high: the box around a tool, enlarged by slack. */
-static void bounding_box_of_tool(const palp_tool *tool, double slack, double low[3], double high[3]) {
+void contact_box(const palp_tool *tool, double slack, double low[3], double high[3]) {
+    const double around = tool->radius_m + slack;
+    if (tool->shape == PALP_TOOL_HULL) {
+        contact_hull_box(tool, around, low, high);
+        return;
+    }
     for (int k = 0; k < 3; k++) {
         double start = tool->position_m[k];
         double end = start + (tool->shape == PALP_TOOL_CAPSULE ? tool->length_m * tool->axis[k] : 0.0);
-        low[k] = fmin(start, end) - slack;
-        high[k] = fmax(start, end) + slack;
+        low[k] = fmin(start, end) - around;
+        high[k] = fmax(start, end) + around;
     }
 }
 
@@ -464,13 +501,13 @@ static void find_triangle_contacts(search *s, int32_t tool, double reach) {
     const palp_tool *pose = &set->pose[tool];
     const double *x = s->x;
     double low[3], high[3], around = reach + pose->radius_m;
-    bounding_box_of_tool(pose, around, low, high);
+    contact_box(pose, reach, low, high);
     for (size_t i = 0; i < set->n_surface; i++) {
         const int32_t *node = set->surface + 3 * i;
         const double *corner[3] = {x + 3 * node[0], x + 3 * node[1], x + 3 * node[2]};
         if (!triangle_overlaps_box(low, high, corner) || !is_triangle_near_axis(pose, around, corner))
             continue;
-        if (set->settings.local) {
+        if (set->settings.local || pose->shape == PALP_TOOL_HULL) {
             if (has_triangle_area(set, corner))
                 find_points_of_triangle(s, tool, node, reach);
             continue;
@@ -492,12 +529,15 @@ double contact_travel(const contact_set *set, const palp_tool *pose, size_t tool
     along3(pose->position_m, -1.0, was->position_m, moved);
     along3(pose->axis, -1.0, was->axis, turned);
     double reach = pose->shape == PALP_TOOL_CAPSULE ? pose->length_m : 0.0;
-    return sqrt(dot3(moved, moved)) + reach * sqrt(dot3(turned, turned));
+    return sqrt(dot3(moved, moved)) + reach * sqrt(dot3(turned, turned)) + contact_turned(was, pose);
 }
 
 double contact_stride(const contact_set *set, const palp_tool *tool) {
     const double reach = REACH * set->edge;
-    return tool->shape == PALP_TOOL_PLANE ? reach : fmin(reach, BEND * tool->radius_m);
+    if (tool->shape == PALP_TOOL_PLANE)
+        return reach;
+    /* a hull that goes further could take points through the round of its edges */
+    return fmin(reach, (tool->shape == PALP_TOOL_HULL ? 1.0 : BEND) * tool->radius_m);
 }
 
 void contact_find(contact_set *set, const double *committed, const double *x) {

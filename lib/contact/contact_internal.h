@@ -4,6 +4,7 @@
 #define CONTACT_INTERNAL_H
 
 #include "base/arena.h"
+#include "hull.h"
 #include "network/network_internal.h"
 
 #include <palpate/tool.h>
@@ -34,11 +35,12 @@ typedef struct contact_dip {
     double away[3], height, depth, across, along, bend;
 } contact_dip;
 
-/* A point of the surface near a tool: a node, or the point of a triangle that is nearest to the tool. */
+/* A point of the surface near a tool: a node, a fixed point of a triangle, or the point of a triangle that is
+ * nearest to the tool. */
 typedef struct contact {
     int32_t tool, node[3]; /* a node's contact has corners = 1, node[1] = node[2] = -1, share = {1, 0, 0} */
     int32_t corners, part; /* part: which of the fixed points of its triangle */
-    bool fixed;            /* a fixed point of a triangle (contact_face.c) */
+    bool fixed;            /* a fixed point of a triangle in a sphere or capsule (contact_face.c) */
     bool tissue;           /* the tool is a node of the surface (contact_self.c) */
     contact_law law;       /* of a fixed point */
     double early;          /* depth outside the tool at which its smoothing begins, m */
@@ -60,8 +62,10 @@ typedef struct contact {
     double share[3];        /* barycentric coordinates of the nearest point */
     double gradient[3][3];  /* of the shares on the triangle, 1/m; along the edge only on an edge, 0 in a
                                corner */
-    double
-        distance; /* from the point to the sphere's centre, negative if the centre is below the triangle, m */
+    double distance; /* from the point to the sphere's centre, negative if that is below the triangle, m; to a
+                        hull's points, 0 within */
+    bool round;      /* the nearest point of a hull is on an edge or a corner */
+    double straight[3]; /* if so, unit vector along that edge; 0 at a corner */
     double point[3];
     double normal[3];         /* unit vector from the tool into the tissue */
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
@@ -202,8 +206,12 @@ double contact_travel(const contact_set *set, const palp_tool *pose, size_t tool
 /* Distance over which a tool can be followed in one part, m. */
 double contact_stride(const contact_set *set, const palp_tool *tool);
 
-/* Distance from a point to a sphere's centre, a capsule's axis or a plane (0 behind it), m. */
+/* Distance from a point to a sphere's centre, a capsule's axis, a plane (0 behind it) or a hull's points (0
+ * within), m. */
 double contact_distance(const palp_tool *tool, const double point[3]);
+
+/* low, high: the box around a sphere, capsule or hull, enlarged by slack beyond its radius. */
+void contact_box(const palp_tool *tool, double slack, double low[3], double high[3]);
 
 /* Distance along a capsule from the contact's point on the axis to that now nearest to its triangle, m. */
 double contact_slid(const contact_set *set, const contact *c, const double *x);
@@ -240,6 +248,34 @@ double contact_energy(const contact_set *set, const contact *c);
 
 /* Barycentric coordinates of the point of a triangle nearest to p. */
 void contact_nearest(const double *const corner[3], const double p[3], double share[3]);
+
+/* ---- contact_hull.c: hulls, and how tools have turned ---- */
+
+/* A point within a hull; it stays as it is if the tool has no hull. */
+void contact_hull_centre(const palp_tool *tool, double point[3]);
+
+/* As contact_distance and contact_box, around: all that it is enlarged by. */
+double contact_hull_distance(const palp_tool *tool, const double point[3]);
+void contact_hull_box(const palp_tool *tool, double around, double low[3], double high[3]);
+
+/* As contact_measure for a hull: of the point with the contact's shares, which stay. */
+void contact_hull_measure(const palp_tool *tool, contact *c, const double *x);
+
+/* Product of a surface's outward normal, reversed, and the direction from the hull to a contact's point; of a
+ * point within the hull, the normal of the face by which it leaves it if it goes into the surface. */
+double contact_hull_facing(const palp_tool *tool, const contact *c, const double normal[3]);
+
+/* Half the least thickness of a hull, or another tool's radius, m. */
+double contact_thickness(const palp_tool *tool);
+
+/* Distance that a point of the tool moves at most about position_m by the orientations, m. */
+double contact_turned(const palp_tool *was, const palp_tool *is);
+
+/* Orientation at this share of the shorter way. */
+void contact_turn_between(const palp_tool *was, const palp_tool *is, double share, double orientation[4]);
+
+/* Adds to moved how a point with this arm moves by the orientations. False: neither has one. */
+bool contact_turn_arm(const palp_tool *was, const palp_tool *is, const double arm[3], double moved[3]);
 
 /* ---- contact_face.c: fixed points of triangles ---- */
 
@@ -305,6 +341,11 @@ static inline void cross3(const double *a, const double *b, double out[3]) {
 static inline void along3(const double *a, double s, const double *b, double out[3]) {
     for (int k = 0; k < 3; k++)
         out[k] = a[k] + s * b[k];
+}
+
+/* Is it one below which the local compliance of a mesh is known? */
+static inline bool contact_tool_is_round(const palp_tool *tool) {
+    return tool->shape == PALP_TOOL_SPHERE || tool->shape == PALP_TOOL_CAPSULE;
 }
 
 /* Sum of share[i] times the contact's nodes in x[3 n_nodes]. */

@@ -120,6 +120,10 @@ static void measure_distance_to_plane(const double *const corner[3], const doubl
 
 void contact_measure(const palp_tool *tool, contact *c, const double *x) {
     double centre[3];
+    if (tool->shape == PALP_TOOL_HULL) {
+        contact_hull_measure(tool, c, x);
+        return;
+    }
     if (c->fixed) {
         contact_plane plane = {.node = {-1, -1, -1}};
         contact_face_measure(tool, c, x, &plane);
@@ -181,7 +185,7 @@ static double elastic_energy_at_depth(const contact_set *set, const contact *c, 
 }
 
 bool contact_relaxes(const contact_set *set, const contact *c) {
-    return c->fixed || (set->local && set->tool[c->tool].shape != PALP_TOOL_PLANE);
+    return c->fixed || (set->local && contact_tool_is_round(&set->tool[c->tool]));
 }
 
 static double instant_share(const contact_set *set, const contact *c) {
@@ -223,15 +227,22 @@ double contact_energy(const contact_set *set, const contact *c) {
 }
 
 /* Tangent of the pressure along the normal, and across it where the point cannot move on its triangle:
- * all round in a corner, across an edge on one. A capsule is straight along its axis. */
+ * all round in a corner, across an edge on one. A capsule is straight along its axis. Of a hull the points of
+ * triangles are fixed, and its faces are flat. */
 static void evaluate_normal_force(const palp_tool *tool, contact *c, double slope) {
     double edge[3] = {0.0}, length = 0.0;
     memset(c->normal_tangent, 0, sizeof c->normal_tangent);
     add_longitudinal_block(slope, c->normal, c->normal_tangent);
-    if (tool->shape == PALP_TOOL_PLANE || c->tissue || is_inside_triangle(c) || !(c->distance > 0.0))
+    const bool hull = tool->shape == PALP_TOOL_HULL;
+    if (hull ? !c->round
+             : tool->shape == PALP_TOOL_PLANE || c->tissue || is_inside_triangle(c) || !(c->distance > 0.0))
         return;
     double bend = c->pressure / c->distance;
     add_transverse_block(-bend, c->normal, c->normal_tangent);
+    if (hull) {
+        add_longitudinal_block(bend, c->straight, c->normal_tangent);
+        return;
+    }
     for (int i = 0; i < 3 && length == 0.0; i++) {
         length = sqrt(dot3(c->gradient[i], c->gradient[i]));
         for (int k = 0; k < 3 && length > 0.0; k++)

@@ -32,7 +32,7 @@ static double mean_edge_length(const double *rest, size_t n_surface, const int32
 palp_status contact_set_create(contact_set *set, arena *memory, size_t n_nodes, const double *rest,
                                size_t n_surface, const int32_t *surface, const double *unit, double edge,
                                size_t max_tools, const palp_contact_settings *settings) {
-    const size_t points = settings->local ? POINTS * n_surface + SPARE : n_surface;
+    const size_t points = settings->subdivisions > 0 ? n_surface : POINTS * n_surface + SPARE;
     size_t all = max_tools * (points > n_nodes ? points : n_nodes), most = settings->max_contacts;
     set->settings = *settings;
     set->n_nodes = n_nodes;
@@ -71,14 +71,32 @@ void contact_set_reset(contact_set *set) {
 /* ---- tools --------------------------------------------------------------------------------------- */
 
 static bool are_tool_values_valid(const palp_tool *t) {
-    if (t->shape > PALP_TOOL_PLANE || !finite3(t->position_m) || !(t->friction >= 0.0) ||
+    if (t->shape > PALP_TOOL_HULL || !finite3(t->position_m) || !(t->friction >= 0.0) ||
         !isfinite(t->friction))
+        return false;
+    const double *q = t->orientation, square = q[0] * q[0] + dot3(q + 1, q + 1);
+    if (square != 0.0 && !(fabs(sqrt(square) - 1.0) < 1e-6))
         return false;
     if (t->shape != PALP_TOOL_PLANE && !positive(t->radius_m))
         return false;
     if (t->shape == PALP_TOOL_CAPSULE && !(t->length_m >= 0.0 && isfinite(t->length_m)))
         return false;
+    if (t->shape == PALP_TOOL_HULL)
+        return t->hull;
     return t->shape == PALP_TOOL_SPHERE || fabs(sqrt(dot3(t->axis, t->axis)) - 1.0) < 1e-6;
+}
+
+/* A copy without what its shape does not need, and an orientation of length 1. */
+static palp_tool copy_of_tool(const palp_tool *tool) {
+    palp_tool t = *tool;
+    const double *q = tool->orientation, length = sqrt(q[0] * q[0] + dot3(q + 1, q + 1));
+    for (int k = 0; k < 4; k++)
+        t.orientation[k] = length > 0.0 ? q[k] / length : 0.0;
+    if (t.shape == PALP_TOOL_SPHERE || t.shape == PALP_TOOL_HULL)
+        t.axis[0] = t.axis[1] = t.axis[2] = 0.0;
+    if (t.shape != PALP_TOOL_HULL)
+        t.hull = NULL;
+    return t;
 }
 
 palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools) {
@@ -87,12 +105,10 @@ palp_status contact_set_tools(contact_set *set, size_t n, const palp_tool *tools
     for (size_t i = 0; i < n; i++)
         if (!are_tool_values_valid(&tools[i]))
             return PALP_ERR_ARGUMENT;
-    for (size_t i = 0; i < n; i++) {
-        palp_tool *t = &set->tool[i];
-        *t = tools[i];
-        if (t->shape == PALP_TOOL_SPHERE)
-            t->axis[0] = t->axis[1] = t->axis[2] = 0.0;
-    }
+    for (size_t i = 0; i < n; i++)
+        set->tool[i] = copy_of_tool(&tools[i]);
+    for (size_t i = n; i < set->max_tools; i++)
+        set->tool[i].hull = NULL;
     set->n_tools = n;
     return PALP_OK;
 }
@@ -134,8 +150,12 @@ static bool is_point_inside_body(size_t n, const int32_t *surface, const double 
 bool contact_set_inside(const contact_set *set, size_t n, const int32_t *surface, const double *x) {
     for (size_t i = 0; i < set->n_tools; i++) {
         const palp_tool *tool = &set->next.pose[i];
+        double point[3];
+        memcpy(point, tool->position_m, sizeof point);
+        if (tool->shape == PALP_TOOL_HULL)
+            contact_hull_centre(tool, point);
         if (tool->shape != PALP_TOOL_PLANE && set->next.felt[i].contacts == 0 &&
-            is_point_inside_body(n, surface, x, tool->position_m))
+            is_point_inside_body(n, surface, x, point))
             return true;
     }
     return false;
@@ -153,8 +173,9 @@ static palp_tool interpolate_tool_pose(const contact_set *set, size_t i, double 
         pose.position_m[k] = (1.0 - share) * was->position_m[k] + share * pose.position_m[k];
         pose.axis[k] = (1.0 - share) * was->axis[k] + share * pose.axis[k];
     }
+    contact_turn_between(was, &set->tool[i], share, pose.orientation);
     double length = sqrt(dot3(pose.axis, pose.axis));
-    for (int k = 0; k < 3 && pose.shape != PALP_TOOL_SPHERE; k++)
+    for (int k = 0; k < 3 && (pose.shape == PALP_TOOL_CAPSULE || pose.shape == PALP_TOOL_PLANE); k++)
         pose.axis[k] = length > 1e-3 ? pose.axis[k] / length : set->tool[i].axis[k];
     return pose;
 }

@@ -36,6 +36,12 @@ static void reset_contact_term(network_term *term, palp_network *net) {
     contact_set_reset(contact_set_of_term(term));
 }
 
+/* All but their hulls, which are the caller's. */
+static void pass_tools(network_cursor *cursor, size_t n, palp_tool *tools) {
+    for (size_t i = 0; i < n; i++)
+        network_pass(cursor, &tools[i], offsetof(palp_tool, hull));
+}
+
 static void pass_contact_state(network_term *term, palp_network *net, network_cursor *cursor) {
     contact_set *set = contact_set_of_term(term);
     contact_state *now = &set->now;
@@ -43,10 +49,10 @@ static void pass_contact_state(network_term *term, palp_network *net, network_cu
     if (cursor->way == NETWORK_RESTORE)
         now->n_told = 0;
     network_pass(cursor, &set->n_tools, sizeof set->n_tools);
-    network_pass(cursor, set->tool, set->max_tools * sizeof *set->tool);
+    pass_tools(cursor, set->max_tools, set->tool);
     network_pass(cursor, &now->n_tools, sizeof now->n_tools);
     network_pass(cursor, &now->n_touches, sizeof now->n_touches);
-    network_pass(cursor, now->pose, set->max_tools * sizeof *now->pose);
+    pass_tools(cursor, set->max_tools, now->pose);
     network_pass(cursor, now->felt, set->max_tools * sizeof *now->felt);
     network_pass(cursor, now->touch, set->max_contacts * sizeof *now->touch);
 }

@@ -97,12 +97,11 @@ void reduced_contact_reset(palp_reduced *r) {
 /* The box around a tool; unbounded for a plane. */
 static void bounding_box_of_tool(const palp_tool *tool, double margin, double low[3], double high[3]) {
     for (size_t k = 0; k < 3; k++) {
-        double start = tool->position_m[k];
-        double end = start + (tool->shape == PALP_TOOL_CAPSULE ? tool->length_m * tool->axis[k] : 0.0);
-        double around = tool->shape == PALP_TOOL_PLANE ? INFINITY : tool->radius_m + margin;
-        low[k] = fmin(start, end) - around;
-        high[k] = fmax(start, end) + around;
+        low[k] = -INFINITY;
+        high[k] = INFINITY;
     }
+    if (tool->shape != PALP_TOOL_PLANE)
+        contact_box(tool, margin, low, high);
 }
 
 /* Finds the nodes that could touch in this step: those whose last position is in a tool's box, enlarged by
@@ -133,7 +132,7 @@ static double farthest_tool_travel(const contact_set *contacts) {
         const palp_tool *was = &contacts->now.pose[i], *is = &contacts->tool[i];
         double moved[3];
         along3(is->position_m, -1.0, was->position_m, moved);
-        most = fmax(most, sqrt(dot3(moved, moved)) + 2.0 * is->length_m);
+        most = fmax(most, sqrt(dot3(moved, moved)) + 2.0 * is->length_m + contact_turned(was, is));
     }
     return most;
 }

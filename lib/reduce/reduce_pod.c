@@ -133,6 +133,8 @@ static double distance_of_node_to_tool(const palp_tool *tool, const double x[3])
     double along = d[0] * tool->axis[0] + d[1] * tool->axis[1] + d[2] * tool->axis[2];
     if (tool->shape == PALP_TOOL_PLANE)
         return along;
+    if (tool->shape == PALP_TOOL_HULL)
+        return contact_distance(tool, x) - tool->radius_m;
     double on = tool->shape == PALP_TOOL_CAPSULE ? fmax(0.0, fmin(tool->length_m, along)) : 0.0;
     for (size_t k = 0; k < 3; k++)
         d[k] -= on * tool->axis[k];

@@ -90,6 +90,8 @@ example() { # name, compiler and language flags...
     LD_LIBRARY_PATH=$lib "$work/suture" >"$work/sewn" || fail "$name: suture failed"
     awk '{ touch = $(NF - 2) > touch ? $(NF - 2) : touch } END { exit !(/torn/ && NR > 7 && touch >= 4) }' "$work/sewn" ||
         fail "$name: the suture does not close the gap and tear: $(cat "$work/sewn")"
+    LD_LIBRARY_PATH=$lib "$work/jaws" "$work/network.json" | awk '{ squeeze = $8; pull = $13 } END { exit !(NR == 20 && pull > squeeze) }' ||
+        fail "$name: the jaws do not lift"
     LD_LIBRARY_PATH=$lib "$work/haptic_loop" "$work/network.json" 0.3 | grep -q '^[1-9][0-9]* ticks, ' || fail "$name: haptic_loop failed"
     LD_LIBRARY_PATH=$lib "$work/cut" "$work/network.json" | tail -n 1 | grep -q '^1.000,-*0.0000,49,0,' || fail "$name: cut failed"
     if LD_LIBRARY_PATH=$lib "$work/minimal" "$work/none.json" 2>"$work/said"; then fail "$name: minimal needs no model"; fi

@@ -50,12 +50,17 @@ static palp_status network_simplicial(palp_error *error) {
     return status;
 }
 
-/* A tool presses, a node is held; then steps that must not allocate. */
+/* A sphere and a hull press, a node is held; then steps that must not allocate. */
 static palp_status network_with_tools(palp_error *error) {
     palp_network *network;
     const palp_contact_settings contact = palp_contact_settings_default();
-    palp_tool tool = {PALP_TOOL_SPHERE, {0.012, 0.012, -0.0035}, {0, 0, 0}, 0, 0.004, 0.3};
+    palp_tool tool[2] = {{PALP_TOOL_SPHERE, {0.012, 0.012, -0.0035}, {0, 0, 0}, 0, 0.004, 0.3, {0}, NULL},
+                         {PALP_TOOL_HULL, {0.012, 0.012, 0.0275}, {0, 0, 0}, 0, 0.002, 0.3, {0}, NULL}};
+    palp_hull *hull = NULL;
     palp_status status = make_network(PALP_SOLVER_BAND, 0.0, &network, error);
+    if (!status)
+        status = palp_hull_create_box((const double[]){0.003, 0.003, 0.002}, &hull, error);
+    tool[1].hull = hull;
     if (!status)
         status = palp_network_enable_tools(network, 2, 1, &contact);
     if (!status)
@@ -63,14 +68,16 @@ static palp_status network_with_tools(palp_error *error) {
             palp_network_grasp(network, 1, (const int32_t[]){13}, (const double[]){0.0121, 0.012, 0.012});
     size_t calls = heap.calls;
     for (int i = 0; i < 3 && !status; i++) {
-        tool.position_m[2] += 1e-4;
-        status = palp_network_set_tools(network, 1, &tool);
+        tool[0].position_m[2] += 1e-4;
+        tool[1].position_m[2] -= 1e-4;
+        status = palp_network_set_tools(network, 2, tool);
         if (!status)
             status = palp_network_step(network, 0.0, 0.1, NULL);
     }
     if (heap.calls != calls)
         abort();
     palp_network_free(network);
+    palp_hull_free(hull);
     return status;
 }
 

@@ -269,6 +269,12 @@ START_TEST(null_in_visual) {
 END_TEST
 
 START_TEST(null_in_tool) {
+    palp_hull *hull = NULL;
+    REFUSED(palp_hull_create(5, NULL, &hull, NULL));
+    REFUSED(palp_hull_create(5, numbers, NULL, NULL));
+    REFUSED(palp_hull_create_box(NULL, &hull, NULL));
+    REFUSED(palp_hull_create_box(numbers, NULL, NULL));
+    palp_hull_free(NULL);
     REFUSED(palp_network_enable_tools(NULL, 2, 2, (void *)storage));
     REFUSED(palp_network_enable_tools(net, 2, 2, NULL));
     REFUSED(palp_network_set_tools(NULL, 2, (void *)storage));

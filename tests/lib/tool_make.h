@@ -29,15 +29,16 @@ static inline palp_material linear(void) {
 }
 
 static inline palp_tool sphere(double x, double bottom, double z, double radius, double friction) {
-    return (palp_tool){PALP_TOOL_SPHERE, {x, bottom + radius, z}, {0, 0, 0}, 0, radius, friction};
+    return (palp_tool){PALP_TOOL_SPHERE, {x, bottom + radius, z}, {0, 0, 0}, 0, radius, friction, {0}, NULL};
 }
 
 static inline palp_tool capsule(double x, double bottom, double z, double radius, double friction) {
-    return (palp_tool){PALP_TOOL_CAPSULE, {x, bottom + radius, z}, {0.6, 0, 0.8}, 0.008, radius, friction};
+    return (palp_tool){
+        PALP_TOOL_CAPSULE, {x, bottom + radius, z}, {0.6, 0, 0.8}, 0.008, radius, friction, {0}, NULL};
 }
 
 static inline palp_tool plane(double y, double friction) {
-    return (palp_tool){PALP_TOOL_PLANE, {0.012, y, 0.012}, {0, -1, 0}, 0, 0, friction};
+    return (palp_tool){PALP_TOOL_PLANE, {0.012, y, 0.012}, {0, -1, 0}, 0, 0, friction, {0}, NULL};
 }
 
 static inline palp_tool_force step(palp_network *net, const palp_tool *tool, double dt) {

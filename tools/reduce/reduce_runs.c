@@ -63,7 +63,7 @@ static int fill(const palp_experiment *from, size_t samples, const palp_tool *to
 
 int reduce_run_read(const char *file, size_t samples, reduce_run *run) {
     palp_experiment *from = NULL;
-    palp_tool tool = {PALP_TOOL_SPHERE, {0}, {0}, 0, 0, 0};
+    palp_tool tool = {.shape = PALP_TOOL_SPHERE};
     const double *column[3];
     run->file = file;
     int code = open_run(NAME, file, &from);

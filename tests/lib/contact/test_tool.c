@@ -1,5 +1,6 @@
 /* test_tool.c: tools, held nodes and gravity: balances of force and moment, the tangent, where a tool is
  * felt. */
+#include "hull_make.h"
 #include "tool_make.h"
 
 START_TEST(all_forces_and_moments_balance) {
@@ -10,7 +11,7 @@ START_TEST(all_forces_and_moments_balance) {
     palp_network *net = block(5, &m, 1000.0, &penalty);
     palp_tool tools[3] = {sphere(0.007, 0.0235, 0.008, 0.003, 0.4),
                           capsule(0.013, 0.0238, 0.013, 0.002, 0.2),
-                          {PALP_TOOL_PLANE, {0.001, 0.012, 0.012}, {1, 0, 0}, 0, 0, 0.3}};
+                          {PALP_TOOL_PLANE, {0.001, 0.012, 0.012}, {1, 0, 0}, 0, 0, 0.3, {0}, NULL}};
     const int32_t held[2] = {4 * 25 + 4 * 5 + 4, 4 * 25 + 2 * 5 + 1};
     double target[6], sum[6];
     for (int i = 0; i < 6; i++)
@@ -125,12 +126,16 @@ static double times_error(palp_network *net, const double *v, double h) {
 }
 
 START_TEST(tangent_is_the_derivative) {
+    palp_hull *hull = box_hull(0.004, 0.003, 0.005);
+    palp_tool box = hull_tool(hull, 0.0075, 0.0275, 0.0083, 0.001, 0);
+    turn_tool(&box, (const double[]){0.6, 0.0, 0.8}, 0.3); /* on its edges and corners */
     const palp_tool tools[][2] = {
         {sphere(0.0075, 0.0232, 0.0083, 0.004, 0), plane(0.0239, 0)},
+        {box, hull_tool(hull, 0.0175, 0.0272, 0.0183, 0.0005, 0)},
         {capsule(0.0075, 0.0232, 0.0083, 0.003, 0), sphere(0.021, 0.0236, 0.021, 0.002, 0)},
         {plane(0.0237, 1e9), plane(0.0239, 0)}}; /* which sticks */
-    for (size_t t = 0; t < 9; t++) {
-        palp_network *net = unsettled(tools[t % 3], 2, t < 6 ? t / 3 : LOCAL);
+    for (size_t t = 0; t < 12; t++) {
+        palp_network *net = unsettled(tools[t % 4], 2, t < 8 ? t / 4 : LOCAL);
         size_t n = 3 * net->n_nodes;
         double *v = malloc(n * sizeof *v);
         for (int k = 0; k < 3; k++) {
@@ -141,6 +146,7 @@ START_TEST(tangent_is_the_derivative) {
         free(v);
         palp_network_free(net);
     }
+    palp_hull_free(hull);
 }
 END_TEST
 
@@ -174,9 +180,11 @@ END_TEST
 
 /* The assembled matrix is that of the products: K^-1 (K v) = v. */
 static void assembled_is_that_of_the_products(size_t subdivisions) {
-    const palp_tool tools[2] = {sphere(0.0075, 0.0232, 0.0083, 0.004, 0.2),
-                                capsule(0.012, 0.0235, 0.014, 0.002, 0.5)};
-    palp_network *net = unsettled(tools, 2, subdivisions);
+    palp_hull *hull = box_hull(0.003, 0.002, 0.002);
+    const palp_tool tools[3] = {sphere(0.0075, 0.0232, 0.0083, 0.004, 0.2),
+                                capsule(0.012, 0.0235, 0.014, 0.002, 0.5),
+                                hull_tool(hull, 0.0175, 0.0264, 0.0063, 0.001, 0.3)};
+    palp_network *net = unsettled(tools, 3, subdivisions);
     size_t n = net->n_free;
     double *x = malloc(3 * net->n_nodes * sizeof *x), *v = malloc(n * sizeof *v), *r = calloc(n, sizeof *r),
            scale;
@@ -207,6 +215,7 @@ static void assembled_is_that_of_the_products(size_t subdivisions) {
         ck_assert_double_eq_tol(r[i], v[i], 1e-4);
     free(x), free(v), free(r), free(full), free(kv);
     palp_network_free(net);
+    palp_hull_free(hull);
 }
 
 START_TEST(assembled_tangent_is_that_of_the_products) {
@@ -456,12 +465,12 @@ START_TEST(refuses_what_makes_no_sense) {
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 1, &penalty), PALP_OK);
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 1, &penalty), PALP_ERR_ARGUMENT); /* twice */
     ck_assert_int_eq(palp_network_set_tools(net, 2, (palp_tool[]){tool, tool}), PALP_ERR_ARGUMENT);
-    const palp_tool wrong[] = {{PALP_TOOL_SPHERE, {0, NAN, 0}, {0, 0, 0}, 0, 0.001, 0},
-                               {PALP_TOOL_SPHERE, {0, 0, 0}, {0, 0, 0}, 0, 0.0, 0},
-                               {PALP_TOOL_CAPSULE, {0, 0, 0}, {0, 2, 0}, 0.01, 0.001, 0},
-                               {PALP_TOOL_CAPSULE, {0, 0, 0}, {0, 1, 0}, -0.01, 0.001, 0},
-                               {PALP_TOOL_PLANE, {0, 0, 0}, {0, 0, 0}, 0, 0, 0},
-                               {PALP_TOOL_PLANE, {0, 0, 0}, {0, 1, 0}, 0, 0, -0.1}};
+    const palp_tool wrong[] = {{PALP_TOOL_SPHERE, {0, NAN, 0}, {0, 0, 0}, 0, 0.001, 0, {0}, NULL},
+                               {PALP_TOOL_SPHERE, {0, 0, 0}, {0, 0, 0}, 0, 0.0, 0, {0}, NULL},
+                               {PALP_TOOL_CAPSULE, {0, 0, 0}, {0, 2, 0}, 0.01, 0.001, 0, {0}, NULL},
+                               {PALP_TOOL_CAPSULE, {0, 0, 0}, {0, 1, 0}, -0.01, 0.001, 0, {0}, NULL},
+                               {PALP_TOOL_PLANE, {0, 0, 0}, {0, 0, 0}, 0, 0, 0, {0}, NULL},
+                               {PALP_TOOL_PLANE, {0, 0, 0}, {0, 1, 0}, 0, 0, -0.1, {0}, NULL}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         ck_assert_int_eq(palp_network_set_tools(net, 1, &wrong[i]), PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_network_grasp(net, 2, nodes, target), PALP_ERR_LIMIT);

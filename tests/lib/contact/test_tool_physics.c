@@ -184,7 +184,7 @@ START_TEST(rough_plane_tilts_with_what_it_holds) {
     penalty.stiffness = penalty.grasp_stiffness = 1e4;
     penalty.smoothing = 1e-5;
     palp_network *pressed = block(5, &m, 0.0, &penalty), *held = block(5, &m, 0.0, &penalty);
-    palp_tool tool = {PALP_TOOL_PLANE, {0, 0, 0}, {0, -1, 0}, 0, 0, 100.0};
+    palp_tool tool = {PALP_TOOL_PLANE, {0, 0, 0}, {0, -1, 0}, 0, 0, 100.0, {0}, NULL};
     const int32_t *top;
     size_t n;
     double target[75], hand[3];

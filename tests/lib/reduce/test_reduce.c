@@ -1,6 +1,7 @@
 /* test_reduce.c: reduced models against the full network: energy, tangents, settings and files. */
 #define _POSIX_C_SOURCE 200809L
 #include "scratch.h"
+#include "hull_make.h"
 #include "reduce_make.h"
 
 /* ---- networks and paths ---- */
@@ -68,15 +69,22 @@ START_TEST(nothing_reduced) {
 }
 END_TEST
 
+/* _i: a ball, a ball that spins, a box that turns. */
 START_TEST(nothing_reduced_under_a_tool) {
     palp_material m = quartic(2);
     palp_network *net = block(5, &m);
+    palp_hull *hull = box_hull(0.003, 0.002, 0.004);
     net->settings.tolerance = 1e-11;
     palp_reduced *reduced = whole(net);
     for (int i = 0; i < 14; i++) {
         palp_tool tool = ball(0.010 + 0.0003 * i, 0.011, i < 5 ? 0.0002 * i - 0.0001 : 0.0008);
         palp_tool_force full, small;
         palp_reduced_info info;
+        if (_i == 2)
+            tool = hull_tool(hull, tool.position_m[0], tool.position_m[1] - RADIUS + 0.003,
+                             tool.position_m[2], 0.001, 0.0);
+        if (_i > 0)
+            turn_tool(&tool, (const double[]){0.0, 0.8, 0.6}, 0.02 * i);
         tool.friction = 0.2;
         ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
         ck_assert_int_eq(palp_network_step(net, 0.0, 0.02, NULL), PALP_OK);
@@ -92,6 +100,7 @@ START_TEST(nothing_reduced_under_a_tool) {
     }
     palp_reduced_free(reduced);
     palp_network_free(net);
+    palp_hull_free(hull);
 }
 END_TEST
 
@@ -376,7 +385,7 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, arrays_of_a_file_are_checked);
     tcase_add_test(tc, nothing_reduced);
-    tcase_add_test(tc, nothing_reduced_under_a_tool);
+    tcase_add_loop_test(tc, nothing_reduced_under_a_tool, 0, 3);
     tcase_add_test(tc, rest_is_rest);
     tcase_add_test(tc, energy_consistent);
     tcase_add_test(tc, kept_elements_have_the_tangent_of_all);

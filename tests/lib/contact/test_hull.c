@@ -1,0 +1,245 @@
+/* test_hull.c: hulls: what is made of points, the distance to them, and one contact's force and tangent as
+ * derivatives of its energy. */
+#include "hull_make.h"
+
+static uint64_t seed = 5;
+
+static double uniform(double low, double high) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+}
+
+/* ---- what is made of points ------------------------------------------------------------------------ */
+
+/* Corners, edges and faces of a box, of one with more points on its faces and edges and within it, of a wedge
+ * and of a cylinder. */
+START_TEST(corners_edges_and_faces) {
+    static const double more[][3] = {{-1, -2, -3}, {1, -2, -3},   {-1, 2, -3}, {1, 2, -3},
+                                     {-1, -2, 3},  {1, -2, 3},    {-1, 2, 3},  {1, 2, 3},
+                                     {0, 0, 0},    {1, 0, 0},     {1, 2, 0},   {0.5, 2, 1},
+                                     {0, -2, -3},  {0.5, -2, -3}, {1, 2, 3},   {0.1, 1, 2}},
+                        wedge[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
+    palp_hull *hull[4] = {box_hull(1, 2, 3), NULL, NULL, cylinder_hull(32, 1, 2)};
+    static const size_t corners[4] = {8, 8, 6, 64}, edges[4] = {12, 12, 9, 96}, faces[4] = {6, 6, 5, 34};
+    ck_assert_int_eq(palp_hull_create(16, more[0], &hull[1], NULL), PALP_OK);
+    ck_assert_int_eq(palp_hull_create(6, wedge[0], &hull[2], NULL), PALP_OK);
+    for (int i = 0; i < 4; i++) {
+        ck_assert_uint_eq(hull[i]->n_corners, corners[i]);
+        ck_assert_uint_eq(hull[i]->n_edges, 2 * edges[i]);
+        ck_assert_uint_eq(hull[i]->n_faces, faces[i]);
+        palp_hull_free(hull[i]);
+    }
+}
+END_TEST
+
+START_TEST(bad_points) {
+    double points[65][3] = {{0}};
+    palp_hull *hull = NULL;
+    palp_error error = {PALP_OK, ""};
+    for (int i = 0; i < 65; i++)
+        for (int k = 0; k < 3; k++)
+            points[i][k] = uniform(-1.0, 1.0);
+    ck_assert_int_eq(palp_hull_create(64, points[0], &hull, &error), PALP_OK);
+    palp_hull_free(hull);
+    hull = NULL;
+    ck_assert_int_eq(palp_hull_create(65, points[0], &hull, &error), PALP_ERR_LIMIT);
+    ck_assert_ptr_nonnull(strstr(error.text, "at most 64 points, not 65"));
+    ck_assert_int_eq(palp_hull_create(3, points[0], &hull, &error), PALP_ERR_ARGUMENT);
+    ck_assert_ptr_nonnull(strstr(error.text, "at least 4 points, not 3"));
+    points[2][1] = NAN;
+    ck_assert_int_eq(palp_hull_create(10, points[0], &hull, &error), PALP_ERR_ARGUMENT);
+    ck_assert_ptr_nonnull(strstr(error.text, "point 2"));
+    for (int flat = 0; flat < 3; flat++) { /* in a plane, in a line, at one place */
+        for (int i = 0; i < 20; i++) {
+            const double a = flat < 2 ? uniform(-1.0, 1.0) : 0.5, b = flat < 1 ? uniform(-1.0, 1.0) : 0.0;
+            for (int k = 0; k < 3; k++)
+                points[i][k] =
+                    0.01 * (1.0 + a * (k + 1) + b * (2 - k * k)) + (flat < 2 ? uniform(-1e-9, 1e-9) : 0.0);
+        }
+        ck_assert_int_eq(palp_hull_create(20, points[0], &hull, &error), PALP_ERR_INPUT);
+        ck_assert_ptr_nonnull(strstr(error.text, "lie in a plane"));
+    }
+    ck_assert_int_eq(palp_hull_create_box((double[]){1, 0, 1}, &hull, NULL), PALP_ERR_INPUT);
+    ck_assert_ptr_null(hull);
+    palp_hull_free(NULL);
+}
+END_TEST
+
+/* ---- distance -------------------------------------------------------------------------------------- */
+
+/* Of a box with these half sides: q = |p| - half, then |max(q, 0)| outside and the largest q inside. */
+START_TEST(distance_to_a_box) {
+    static const double half[3] = {1.0, 2.0, 0.5};
+    palp_hull *hull = box_hull(half[0], half[1], half[2]);
+    int regions[4] = {0}; /* inside, face, edge, corner */
+    for (int trial = 0; trial < 5000; trial++) {
+        double p[3], q[3], beyond[3], sign[3];
+        int out = 0;
+        hull_near near;
+        for (int k = 0; k < 3; k++) {
+            p[k] = uniform(-2.0, 2.0) * half[k];
+            q[k] = fabs(p[k]) - half[k];
+            beyond[k] = fmax(q[k], 0.0);
+            sign[k] = p[k] < 0.0 ? -1.0 : 1.0;
+            out += q[k] > 0.0;
+        }
+        const double inside = fmax(q[0], fmax(q[1], q[2])), outside = sqrt(dot3(beyond, beyond));
+        hull_measure(hull, p, &near);
+        ck_assert_double_eq_tol(near.distance, out ? outside : inside, 1e-14);
+        ck_assert(near.round == (out > 1));
+        for (int k = 0; k < 3; k++) {
+            const double normal = out ? beyond[k] / outside : q[k] == inside;
+            ck_assert_double_eq_tol(near.normal[k], sign[k] * normal, 1e-12);
+            ck_assert_double_eq(fabs(near.along[k]), out == 2 && q[k] <= 0.0 ? 1.0 : 0.0);
+        }
+        regions[out]++;
+    }
+    for (int i = 0; i < 4; i++)
+        ck_assert_int_gt(regions[i], 100);
+    palp_hull_free(hull);
+}
+END_TEST
+
+/* Of random points. Outside the nearest point is in the hull and no corner is beyond the plane through it.
+ * Inside the face's plane holds all corners, and no direction leads out sooner. */
+START_TEST(distance_to_any_hull) {
+    for (int trial = 0; trial < 100; trial++) {
+        double points[20][3], point[3], on[3];
+        palp_hull *hull;
+        for (int i = 0; i < 60; i++)
+            points[i / 3][i % 3] = uniform(-1.0, 1.0);
+        ck_assert_int_eq(palp_hull_create(20, points[0], &hull, NULL), PALP_OK);
+        for (int k = 0; k < 50; k++) {
+            hull_near near;
+            double support = -INFINITY;
+            for (int i = 0; i < 3; i++)
+                point[i] = uniform(-1.5, 1.5);
+            hull_measure(hull, point, &near);
+            along3(point, -near.distance, near.normal, on);
+            ck_assert_double_eq_tol(dot3(near.normal, near.normal), 1.0, 1e-12);
+            for (int i = 0; i < 20; i++)
+                support = fmax(support, dot3(points[i], near.normal) - dot3(on, near.normal));
+            ck_assert_double_eq_tol(support, 0.0, 1e-12);
+            for (int d = 0; d < 200; d++) {
+                double u[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}, far = -INFINITY;
+                for (int i = 0; i < 20; i++)
+                    far = fmax(far, dot3(points[i], u));
+                if (near.distance > 0.0) /* the nearest point is within */
+                    ck_assert_double_ge(far - dot3(on, u), -1e-12);
+                else
+                    ck_assert_double_ge(far - dot3(point, u), (-near.distance - 1e-12) * sqrt(dot3(u, u)));
+            }
+        }
+        palp_hull_free(hull);
+    }
+}
+END_TEST
+
+/* Out of a box against a direction: by the face that is met first. */
+START_TEST(exit_of_a_box) {
+    palp_hull *hull = box_hull(1.0, 2.0, 0.5);
+    const double point[3] = {0.9, -1.5, 0.0};
+    const hull_face *aside = hull_exit(hull, point, (const double[]){-1.0, 0.0, 0.0}),
+                    *down = hull_exit(hull, point, (const double[]){0.0, 1.0, 0.0}),
+                    *slant = hull_exit(hull, point, (const double[]){-0.28, 0.96, 0.0});
+    ck_assert_double_eq(aside->normal[0], 1.0);
+    ck_assert_double_eq(down->normal[1], -1.0);
+    ck_assert_ptr_eq(slant, aside);
+    palp_hull_free(hull);
+}
+END_TEST
+
+/* ---- force and tangent ------------------------------------------------------------------------------ */
+
+typedef struct setting {
+    palp_tool tool;
+    contact_set set;
+    contact c;
+} setting;
+
+static void place(setting *s, const palp_hull *hull, const double position[3]) {
+    memset(s, 0, sizeof *s);
+    s->tool = hull_tool(hull, position[0], position[1], position[2], 0.3, 0.0);
+    turn_tool(&s->tool, (const double[]){0.6, 0.0, 0.8}, 0.7);
+    turn_tool(&s->tool, (const double[]){0.0, 0.28, 0.96}, -2.0);
+    s->set.pose = s->set.tool = &s->tool;
+    s->set.settings.smoothing = 0.05;
+    s->set.edge = 2.0;
+    s->c = (contact){.node = {0, 1, 2},
+                     .corners = 3,
+                     .stiffness = 7.0,
+                     .entry = 1.0,
+                     .share = {0.2, 0.5, 0.3},
+                     .stick_share = {0.2, 0.5, 0.3}};
+}
+
+static double energy_at(setting *s, const double *x) {
+    contact_evaluate(&s->set, &s->c, x);
+    return contact_energy(&s->set, &s->c);
+}
+
+static void force_at(setting *s, const double *x, double force[9]) {
+    contact_evaluate(&s->set, &s->c, x);
+    for (int i = 0; i < 9; i++)
+        force[i] = s->c.share[i / 3] * s->c.pressure * s->c.normal[i % 3];
+}
+
+static void check_derivatives(setting *s, double *x) {
+    const double h = 1e-5;
+    double force[9], low[9], high[9], block[9];
+    force_at(s, x, force);
+    contact here = s->c;
+    for (int j = 0; j < 9; j++) {
+        double kept = x[j], unit[9] = {0.0}, product[9] = {0.0};
+        x[j] = kept + h;
+        double above = energy_at(s, x);
+        force_at(s, x, high);
+        x[j] = kept - h;
+        double below = energy_at(s, x);
+        force_at(s, x, low);
+        x[j] = kept;
+        ck_assert_double_eq_tol(force[j], -(above - below) / (2.0 * h), 1e-8);
+        unit[j] = 1.0;
+        contact_times(&here, unit, product);
+        for (int i = 0; i < 9; i++) {
+            contact_block(&here, i / 3, j / 3, block);
+            ck_assert_double_eq_tol(block[3 * (i % 3) + j % 3], -(high[i] - low[i]) / (2.0 * h), 1e-7);
+            ck_assert_double_eq_tol(block[3 * (i % 3) + j % 3], product[i], 1e-12);
+        }
+    }
+}
+
+/* _i: at a face, an edge, a corner and inside; shallow, where the penalty is quadratic, and deep. A point of
+ * the box's own frame is put at the point of the triangle. */
+START_TEST(pressure_is_the_slope_of_the_energy) {
+    static const double at[4][3] = {{0.2, 1.0, 0.3}, {1.0, 1.0, 0.2}, {1.0, 1.0, 1.0}, {0.1, 0.9, 0.2}},
+                        out[4][3] = {{0, 1, 0}, {0.6, 0.8, 0}, {0.48, 0.6, 0.64}, {0, 0, 0}};
+    palp_hull *hull = box_hull(1, 1, 1);
+    const int feature = _i % 4;
+    const double depth = _i < 4 ? 0.06 : 0.2; /* smoothing ends at 0.1 */
+    double x[9] = {0, 0, 0, 1, 0, 0, 0.5, 0, 0.8}, local[3], point[3], moved[3] = {0.0};
+    const palp_tool none = {.shape = PALP_TOOL_HULL};
+    setting s;
+    place(&s, hull, (const double[]){0, 0, 0});
+    contact_point(&s.c, s.c.share, x, point);
+    along3(at[feature], 0.3 - depth, out[feature], local);
+    contact_turn_arm(&none, &s.tool, local, moved);
+    along3(local, 1.0, moved, local);
+    along3(point, -1.0, local, local);
+    place(&s, hull, local);
+    contact_evaluate(&s.set, &s.c, x);
+    ck_assert_double_eq_tol(s.c.depth, feature < 3 ? depth : 0.4, 1e-12);
+    ck_assert(s.c.round == (feature == 1 || feature == 2));
+    check_derivatives(&s, x);
+    palp_hull_free(hull);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_add_test(tc, corners_edges_and_faces);
+    tcase_add_test(tc, bad_points);
+    tcase_add_test(tc, distance_to_a_box);
+    tcase_add_test(tc, distance_to_any_hull);
+    tcase_add_test(tc, exit_of_a_box);
+    tcase_add_loop_test(tc, pressure_is_the_slope_of_the_energy, 0, 8);
+}
