@@ -5,13 +5,15 @@
 #include "base/dense.h"
 #include "base/file.h"
 #include "base/statistics.h"
+#include "contact/contact_internal.h"
 #include "mesh/mesh_internal.h"
-#include "network/network_internal.h"
 #include "solve/least_squares.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const char BALL[] = "palpation.ball"; /* the region */
 
 enum {
     PLACE = 4,
@@ -20,14 +22,15 @@ enum {
 enum { LEVELS = 2 }; /* states of a press: at half its depth and at all of it */
 enum { STIFFNESSES = 7, STARTS = 3, SCAN = 5, FEWEST = 8 };
 static const double STIFFNESS[STIFFNESSES] = {1.5, 2.2, 3.5, 6.0, 12.0, 25.0, 50.0}; /* or one over these */
-static const double FIRST = 6.0;   /* the one that is tried first */
-static const double SCANNED = 1.5; /* that of the scan, which is linear in its logarithm */
-static const double SOFT = 0.15;   /* half width of the ball's edge, in mean edges of the mesh */
-static const double SHIFT = 0.02;  /* of a parameter for its derivative, in mean edges */
-static const double LEAST = 0.6;   /* smallest radius, in mean edges: smaller balls are not in the mesh */
-static const double MOST = 0.45;   /* largest, of the shortest side of the mesh */
-static const double LOST = 10.0;   /* residual of a ball that the network cannot be pressed with */
-static const double FINER = 1.6;   /* cells a side of the lattice that shows the own one's error */
+static const double FIRST = 6.0;      /* the one that is tried first */
+static const double SCANNED = 1.5;    /* that of the scan, which is linear in its logarithm */
+static const double SOFT = 0.15;      /* half width of the ball's edge, in mean edges of the mesh */
+static const double SHIFT = 0.02;     /* of a parameter for its derivative, in mean edges */
+static const double LEAST = 0.6;      /* smallest radius, in mean edges: smaller balls are not in the mesh */
+static const double MOST = 0.45;      /* largest, of the shortest side of the mesh */
+static const double LOST = 10.0;      /* residual of a ball that the network cannot be pressed with */
+static const double FINER = 1.6;      /* cells a side of the lattice that shows the own one's error */
+static const double TOLERANCE = 1e-6; /* of an equilibrium; that of its energy is the square of it */
 static const double PI2 = 6.283185307179586;
 
 typedef struct search {
@@ -38,12 +41,13 @@ typedef struct search {
     size_t n, n_nodes;
     const palp_palpation_press *press;
     double edge, low[3], high[3], shortest;
-    double *x;              /* [3 n_nodes] for each level of each press: the last equilibrium */
-    bool solved;            /* x holds some */
-    double *wanted;         /* [n] logarithms of the measured forces, less their mean */
-    double *work, *elastic; /* [n] model's, and that of its elements at x */
-    double *moved;          /* [n] */
-    double log_stiffness;   /* of the ball */
+    palp_network *touched, *bare; /* with the tool, and without */
+    double *x;                    /* [3 n_nodes] for each level of each press: the last equilibrium */
+    bool solved;                  /* x holds some */
+    double *wanted;               /* [n] logarithms of the measured forces, less their mean */
+    double *work, *elastic;       /* [n] model's, and that of its elements at x */
+    double *moved;                /* [n] */
+    double log_stiffness;         /* of the ball */
     double gain;
     double done, planned; /* evaluations */
 } search;
@@ -63,18 +67,28 @@ static double part_in_ball(void *user, const double x[3]) {
 
 /* p: place in edges, and the logarithm of the radius in edges. */
 static palp_status place_ball(search *s, const double p[PLACE]) {
-    palp_region *region = &s->source->regions[s->source->n_regions - 1];
     ball b = {{p[0] * s->edge, p[1] * s->edge, p[2] * s->edge}, exp(p[3]) * s->edge, SOFT * s->edge};
-    region->stiffness = exp(s->log_stiffness);
-    return palp_mesh_add_region(s->mesh, region->name, part_in_ball, &b);
+    return palp_mesh_add_region(s->mesh, BALL, part_in_ball, &b);
 }
 
-static palp_status make_network(const search *s, bool with_tool, palp_network **net, palp_error *error) {
+/* The network with the ball as it was placed; it is made at the first call. */
+static palp_status use_network(search *s, bool with_tool, palp_network **net, palp_error *error) {
+    palp_network **kept = with_tool ? &s->touched : &s->bare;
+    const size_t of = s->source->n_regions - 1;
+    const double *part;
     palp_support supports[2];
+    palp_network_settings settings = palp_network_settings_default();
     palp_supports_default(supports);
-    palp_status status = palp_network_from_model(&s->model, s->mesh, 1, supports, NULL, net, error);
-    if (!status && with_tool)
-        status = palp_network_enable_tools(*net, 1, 0, &s->settings->contact);
+    settings.tolerance = TOLERANCE;
+    palp_status status =
+        *kept ? PALP_OK : palp_network_from_model(&s->model, s->mesh, 1, supports, &settings, kept, error);
+    if (!status && with_tool && !contact_of(*kept))
+        status = palp_network_enable_tools(*kept, 1, 0, &s->settings->contact);
+    if (!status)
+        status = palp_mesh_region(s->mesh, BALL, &part);
+    if (!status)
+        status = network_change_region(*kept, of, part, exp(s->log_stiffness));
+    *net = *kept;
     return status;
 }
 
@@ -121,12 +135,11 @@ static palp_status solve_press(const search *s, palp_network *net, const palp_pa
 
 static palp_status solve_presses(search *s, palp_error *error) {
     palp_network *net = NULL;
-    palp_status status = make_network(s, true, &net, error);
+    palp_status status = use_network(s, true, &net, error);
     for (size_t i = 0; i < s->n && !status; i++) {
         double *x[LEVELS] = {place_of_nodes(s, i, 0), place_of_nodes(s, i, 1)};
         status = solve_press(s, net, &s->press[i], x, s->solved, &s->work[i]);
     }
-    palp_network_free(net);
     s->solved = !status;
     s->done += 1.0;
     if (!status && s->settings->progress &&
@@ -137,9 +150,9 @@ static palp_status solve_presses(search *s, palp_error *error) {
 
 /* The part of the mean forces that elements and cells have with the nodes at x. Nodes in equilibrium may be
  * held for a derivative: the energy does not change with them to first order. */
-static palp_status work_of_held_nodes(const search *s, double *work) {
+static palp_status work_of_held_nodes(search *s, double *work) {
     palp_network *net = NULL;
-    palp_status status = make_network(s, false, &net, NULL);
+    palp_status status = use_network(s, false, &net, NULL);
     if (!status)
         status = network_begin(net, 0.0, INFINITY);
     for (size_t i = 0; i < LEVELS * s->n && !status; i++) {
@@ -152,7 +165,6 @@ static palp_status work_of_held_nodes(const search *s, double *work) {
         else
             work[i / LEVELS] = (work[i / LEVELS] + energy) / (0.5 * s->press[i / LEVELS].depth_m);
     }
-    palp_network_free(net);
     return status;
 }
 
@@ -626,7 +638,8 @@ static palp_status prepare_search(search *s, const palp_model *model, const palp
     s->model.mesh = s->source;
     s->model.n_effects = 0;
     palp_region *ball_region = &s->source->regions[s->source->n_regions++];
-    *ball_region = (palp_region){.name = "palpation.ball", .shape = PALP_REGION_OF_MESH, .stiffness = 1.0};
+    *ball_region = (palp_region){.shape = PALP_REGION_OF_MESH, .stiffness = 1.0};
+    memcpy(ball_region->name, BALL, sizeof BALL);
     s->n_nodes = mesh->n_nodes;
     s->edge = mean_edge_of(mesh);
     palp_mesh_bounds(mesh, s->low, s->high);
@@ -667,6 +680,7 @@ static palp_status measure_lattice_error(search *s, double *more) {
         source->nodes[k] = 1 + (size_t)ceil(FINER * (double)(source->nodes[k] - 1));
     fine.model.mesh = fine.source = source;
     fine.mesh = NULL;
+    fine.touched = fine.bare = NULL;
     fine.x = NULL;
     fine.solved = false;
     fine.work = more;
@@ -681,6 +695,7 @@ static palp_status measure_lattice_error(search *s, double *more) {
         more[i] = status ? 0.0 : log(more[i]) - log(s->work[i]);
     if (is_lost(status))
         status = PALP_OK;
+    palp_network_free(fine.touched);
     palp_mesh_free(fine.mesh);
     free(fine.x);
 done:
@@ -767,6 +782,8 @@ palp_status palp_palpate(const palp_model *model, const palp_mesh *mesh, size_t 
     free(s.x);
     free(s.wanted);
     free(s.source);
+    palp_network_free(s.touched);
+    palp_network_free(s.bare);
     palp_mesh_free(s.mesh);
     if (status && error && error->status != status)
         palp_error_set(error, status, "%s", palp_status_text(status));

@@ -391,17 +391,20 @@ static mesh_region *find_region(const palp_mesh *mesh, const char *name) {
 
 palp_status mesh_take_region(palp_mesh *mesh, const char *name, const double *part) {
     const size_t length = strlen(name) + 1;
+    const mesh_region *old = find_region(mesh, name);
+    if (old) {
+        memmove(old->part, part, mesh->n_tetrahedra * sizeof *part);
+        return PALP_OK;
+    }
     mesh_region made = {arena_take(&mesh->memory, length, 1),
                         arena_take(&mesh->memory, mesh->n_tetrahedra, sizeof *part)};
-    mesh_region *old = find_region(mesh, name);
-    mesh_region *regions =
-        old ? mesh->regions : realloc(mesh->regions, (mesh->n_regions + 1) * sizeof *regions);
+    mesh_region *regions = realloc(mesh->regions, (mesh->n_regions + 1) * sizeof *regions);
     mesh->regions = regions ? regions : mesh->regions;
     if (!made.name || !made.part || !regions)
         return PALP_ERR_NO_MEMORY;
     memcpy(made.name, name, length);
     memcpy(made.part, part, mesh->n_tetrahedra * sizeof *part);
-    *(old ? old : &regions[mesh->n_regions++]) = made;
+    regions[mesh->n_regions++] = made;
     return PALP_OK;
 }
 

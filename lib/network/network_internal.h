@@ -200,6 +200,10 @@ bool network_may_have_material(const palp_network *net, const palp_material *mat
 /* Sets scale, where there is one, and the shares of materials. */
 palp_status network_scale_elements(palp_network *net);
 
+/* Gives a region that only is stiffer another place, part[n_tetrahedra], and stiffness; resets the network.
+ * Compliance of contacts that was derived before stays. */
+palp_status network_change_region(palp_network *net, size_t of, const double *part, double stiffness);
+
 /* Sets unit and stiffer for the present material. */
 void network_find_units(palp_network *net);
 

@@ -324,3 +324,16 @@ double network_beyond(const palp_network *net, const double *strain) {
     }
     return beyond;
 }
+
+palp_status network_change_region(palp_network *net, size_t of, const double *part, double stiffness) {
+    palp_status status = mesh_take_region(net->mesh, net->region[of].given.name, part);
+    net->region[of].given.stiffness = stiffness;
+    for (size_t r = 0; r <= of && !status; r++)
+        if (net->region[r].given.shape != PALP_REGION_MEMBRANE)
+            status = find_inside(net, r, net->region[r].inside);
+    if (!status)
+        status = network_scale_elements(net);
+    network_find_units(net);
+    palp_network_reset(net);
+    return status;
+}
