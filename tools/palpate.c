@@ -32,6 +32,8 @@ static const subcommand subcommands[] = {
     {NULL, "explain", "find where a model and recordings disagree, and name the effect that is missing",
      cmd_explain},
     {"Files", "export", "write a network for another solver (CalculiX)", cmd_export},
+    {"Many runs", "batch", "run a command over many inputs, here or on many machines, into one table",
+     cmd_batch},
 };
 
 enum { SUBCOMMANDS = sizeof subcommands / sizeof subcommands[0] };

@@ -1,4 +1,4 @@
-/* page.js: draws a result of palpate, which stands in the page as JSON: of explain, characterize, calibrate or report. */
+/* page.js: draws a result of palpate, which stands in the page as JSON: of explain, characterize, calibrate, report or batch. */
 "use strict";
 
 /* ---- elements ---- */
@@ -266,8 +266,9 @@ const figures = (...nodes) => nodes.flat().every(nothing) ? null : element("div.
 /* ---- what is on the page ---- */
 
 const R = JSON.parse(document.getElementById("result").textContent);
-const kind_of = result => ["explain", "characterize", "calibrate", "report"].find(k => result.palpate && k in result.palpate);
-const TITLES = { explain: "What the model misses", characterize: "The lumped model", calibrate: "The calibrated network" };
+const kind_of = result => ["explain", "characterize", "calibrate", "report", "batch_result"].find(k => result.palpate && k in result.palpate);
+const TITLES = { explain: "What the model misses", characterize: "The lumped model", calibrate: "The calibrated network",
+  batch_result: "Jobs of a batch" };
 
 /* A single result is a report of it alone. */
 const page = kind_of(R) === "report" ? R : { title: TITLES[kind_of(R)] ?? "palpate", results: [{ file: "", result: R }],
@@ -785,6 +786,38 @@ function network() {
     }).flat())];
 }
 
+/* ---- a batch ---- */
+
+/* A file's name as an address in this folder. */
+const address = name => "./" + encodeURIComponent(name);
+
+function link(name, text) {
+  const node = element("a", text);
+  node.href = address(name);
+  return node;
+}
+
+function batch_cards(jobs) {
+  const count = test => jobs.filter(test).length, card = (name, text) => element("div.card", element("span", name), element("b", text));
+  return element("div.cards", card("Jobs", jobs.length), card("Succeeded", count(j => j.status === 0)),
+    card("Failed", count(j => j.status > 0)), card("Not done", count(j => j.status === null)),
+    card("Their time together", `${short(jobs.reduce((sum, j) => sum + (j.seconds ?? 0), 0))} s`));
+}
+
+function batch() {
+  const ROWS = 1000, COLUMNS = 40, jobs = list(R.jobs), failed = jobs.filter(j => j.status > 0), columns = list(R.columns).slice(0, COLUMNS);
+  if (kind_of(R) !== "batch_result") return null;
+  const value = v => typeof v === "number" ? short(v, 5) : v === null || v === undefined ? "-" : String(v);
+  const text = columns.map(c => jobs.some(j => typeof j.values?.[c] === "string"));
+  const files = j => element("span", link(j.name + ".out", "out"), " ", link(j.name + ".err", "err"));
+  const cut = jobs.length > ROWS || list(R.columns).length > COLUMNS;
+  return [batch_cards(jobs), table("Jobs that failed", "job|status|~last line of its messages|~files", failed.slice(0, ROWS).map(j =>
+    [j.name, j.status, j.words, files(j)])),
+  table("All jobs", ["job", "status", "time (s)", "~files", ...columns.map((c, i) => (text[i] ? "~" : "") + c.replaceAll("|", "/"))].join("|"),
+    jobs.slice(0, ROWS).map(j => [j.name, j.status, short(j.seconds), files(j), ...columns.map(c => value(j.values?.[c]))])),
+  about(cut && "This page leaves out some rows or columns. ", "The table is also in ", link("table.csv", "table.csv"), ".")];
+}
+
 /* ---- the report ---- */
 
 function simulation() {
@@ -837,7 +870,7 @@ function provenance() {
       list(page.files).map(f => [base(f.file), f.kind, f.bytes, f.crc32, f.modified, f.note]))];
 }
 
-const sections = [["measured", "What was measured", measured], ["curves", "Recorded curves", curves], ["fits", "Fits and residuals", fits],
+const sections = [["jobs", TITLES.batch_result, batch], ["measured", "What was measured", measured], ["curves", "Recorded curves", curves], ["fits", "Fits and residuals", fits],
   ["parameters", "Parameters", parameters], ["law", "Stiffness law and arms", law],
   ["explain", TITLES.explain, () => results("explain").map(explained)], ["calibration", "Network calibration", network],
   ["simulation", "Simulation against recordings", simulation], ["others", "Other figures",
@@ -859,7 +892,7 @@ function show() {
   }
   main.replaceChildren(...[element("h1", page.title), kind_of(R) === "report" &&
     about("From the press of an indenter to a tissue model that a simulator can run."),
-    ...results("explain").map(verdict), kind_of(R) !== "explain" && cards(), nav.childNodes.length > 2 && nav, warnings(),
+    ...results("explain").map(verdict), !["explain", "batch_result"].includes(kind_of(R)) && cards(), nav.childNodes.length > 2 && nav, warnings(),
       ...made].filter(Boolean));
   draw_all();
   let timer = 0;

@@ -16,5 +16,6 @@ int cmd_inclusion(int argc, char **argv);
 int cmd_reduce(int argc, char **argv);
 int cmd_explain(int argc, char **argv);
 int cmd_export(int argc, char **argv);
+int cmd_batch(int argc, char **argv);
 
 #endif
