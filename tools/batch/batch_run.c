@@ -18,8 +18,8 @@ enum { PATIENCE_S = 10 }; /* from SIGTERM to SIGKILL */
 typedef struct running {
     const batch_options *o;
     batch_plan *plan;
-    batch_child *child; /* [o->jobs] */
-    size_t n, next;     /* processes now, next job of the plan */
+    batch_child *child, *done; /* [o->jobs] the places; those that have ended */
+    size_t n, n_done, next;    /* processes now; ended, but not yet journaled; next job of the plan */
     size_t wanted, ended;
     int journal, stopped, code;
     progress bar;
@@ -80,32 +80,40 @@ static void release_signals(const struct sigaction before[CAUGHT]) {
     close(wake[1]);
 }
 
-static void note_end(running *r, batch_child *child, int status) {
-    batch_job *job = child->job;
-    job->seconds = batch_now_s() - child->started_s;
-    job->status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    r->n--;
-    r->ended++;
-    int code = batch_child_keep(r->o->out, child);
-    code = code ? code : batch_journal_add(r->o, r->journal, job);
-    job->ended = code == CLI_OK;
-    r->code = r->code ? r->code : code;
-}
-
-/* Takes those that have ended; keep: as results. */
+/* What has ended leaves its place and is kept as a result, or dropped. */
 static void reap(running *r, bool keep) {
     int status;
     for (size_t i = 0; i < r->o->jobs; i++) {
         batch_child *child = &r->child[i];
         if (!child->pid || waitpid((pid_t)child->pid, &status, WNOHANG) != (pid_t)child->pid)
             continue;
-        if (keep) {
-            note_end(r, child, status);
-        } else {
+        child->job->seconds = batch_now_s() - child->started_s;
+        child->job->status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+        if (keep)
+            r->done[r->n_done++] = *child;
+        else
             batch_child_drop(r->o->out, child);
-            r->n--;
-        }
+        child->pid = 0;
+        r->n--;
     }
+}
+
+/* Waiting for the disk delays no process: those that follow have been started. After a failure nothing is
+ * kept, and one line has said why. */
+static void journal_done(running *r) {
+    for (size_t i = 0; i < r->n_done; i++) {
+        batch_job *job = r->done[i].job;
+        if (r->code) {
+            batch_child_drop(r->o->out, &r->done[i]);
+            continue;
+        }
+        r->code = batch_child_keep(r->o->out, &r->done[i]);
+        if (r->code == CLI_OK)
+            r->code = batch_journal_add(r->o, r->journal, job);
+        job->ended = r->code == CLI_OK;
+        r->ended++;
+    }
+    r->n_done = 0;
 }
 
 static void fill_places(running *r) {
@@ -134,6 +142,7 @@ static void end_all(running *r) {
     double since_s = batch_now_s();
     if (r->code == CLI_OK)
         reap(r, true);
+    journal_done(r);
     send(r, SIGTERM);
     while (r->n > 0) {
         reap(r, false);
@@ -148,10 +157,10 @@ static void work(running *r) {
     while (r->n > 0 && r->code == CLI_OK && !r->stopped) {
         r->stopped = await_signal();
         reap(r, true);
-        if (r->stopped)
-            break;
+        if (!r->stopped)
+            fill_places(r);
+        journal_done(r);
         progress_update(&r->bar, (double)r->ended / (double)r->wanted);
-        fill_places(r);
     }
     end_all(r);
     progress_finish(&r->bar);
@@ -159,11 +168,12 @@ static void work(running *r) {
 
 int batch_run(const batch_options *o, batch_plan *plan, int *stopped) {
     struct sigaction before[CAUGHT];
-    running r = {.o = o, .plan = plan, .child = calloc(o->jobs, sizeof *r.child)};
+    running r = {.o = o, .plan = plan, .child = calloc(2 * o->jobs, sizeof *r.child)};
     for (size_t i = 0; i < plan->n; i++)
         r.wanted += is_wanted(o, &plan->job[i]);
     if (!r.child)
         return cli_failure(BATCH_NAME, "out of memory");
+    r.done = r.child + o->jobs;
     if (!getenv("OPENBLAS_NUM_THREADS"))
         setenv("OPENBLAS_NUM_THREADS", "1", 1);
     r.code = batch_journal_open(o, &r.journal);
