@@ -169,6 +169,14 @@ if "$PALPATE" rig --firmware host --until-s 0.01 >/dev/null 2>&1; then
     kill $rig
 fi
 
+# ---- manifests of both forms ----
+echo '{"palpate": {"batch": 1}, "about": "a test", "jobs": [{"name": "a", "arguments": ["--version"]}]}' >jobs.json
+echo '{"palpate": {"batch": 1}, "command": ["characterize", "{input}"], "inputs": "run_*.csv", "name": "{index}"}' >each.json
+echo '{"palpate": {"batch": 1}, "command": ["help", "{input}"], "inputs": ["simulate", "report"]}' >texts.json
+expect 0 batch jobs.json --out batch
+expect 0 batch texts.json --out batch
+set -- "$@" batch=jobs.json batch=each.json batch=texts.json
+
 # ---- what comes with palpate, and what import makes ----
 for f in "$ROOT"/data/protocols/*.json; do set -- "$@" protocol=$f; done
 for f in "$ROOT"/data/sedef2008/*.json "$ROOT"/data/models/*.json "$ROOT"/data/rig/phantom_lag.json; do set -- "$@" model=$f; done
