@@ -38,8 +38,8 @@ static void on_signal(int number) {
     int kept = errno;
     if (number != SIGCHLD)
         stop_number = number;
-    if (write(wake[1], "", 1) < 0)
-        errno = kept; /* the pipe is full, and wakes */
+    ssize_t written = write(wake[1], "", 1); /* a full pipe wakes too */
+    (void)written;
     errno = kept;
 }
 
