@@ -363,7 +363,8 @@ class Networks(Folder):
         np.testing.assert_allclose(-pushed, force[0].force_N, atol=1e-9)
         low, high = made.mesh.bounds
         for tool in (palpate.capsule(3e-3, [low[0], high[1] + 2e-3, 0.5 * (low + high)[2]], [1, 0, 0], high[0] - low[0]),
-                     palpate.plane([0, high[1] - 1e-3, 0], [0, -1, 0])):
+                     palpate.plane([0, high[1] - 1e-3, 0], [0, -1, 0]),
+                     palpate.hull(palpate.Hull.box([4e-3, 1e-3, 4e-3]), 1e-3, 0.5 * (low + high) * [1, 0, 1] + [0, high[1] + 1e-3, 0])):
             made.reset()
             made.set_tools(tool)
             made.step(0, 0.1)

@@ -2,7 +2,7 @@
 """make_palpation.py: a map of presses of a cube of 24 mm with a hidden ball, bonded to its floor: palpation.csv. Rows that are there are not
 run again.
 
-A smooth sphere of 5 mm is pressed 1.2 mm into the top at 16 places. The elements are linear, 1 mm long and all alike, neo-Hookean, Poisson's
+A smooth sphere of 5 mm is pressed 1.2 mm into the top at 16 places. The elements are linear, 1.5 mm long and all alike, neo-Hookean, Poisson's
 ratio 0.3; an element belongs to the ball if its middle does. Forces are over G h^2, at half and at all of the depth."""
 import csv
 import math
@@ -15,7 +15,7 @@ from ccx_tip import gap, nset
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FILE = os.path.join(HERE, "palpation.csv")
-HEIGHT, CELLS, RADIUS, DEPTH, NU = 24.0, 24, 5.0, 1.2, 0.3
+HEIGHT, CELLS, RADIUS, DEPTH, NU = 24.0, 16, 5.0, 1.2, 0.3
 PLACES = (5.0, 9.5, 14.5, 19.0)
 # name: middle in mm from the corner, radius in mm, factor of stiffness
 BALLS = {"none": None, "deep": ((10.0, 15.0, 14.0), 5.0, 8.0), "near": ((15.0, 19.0, 9.0), 3.5, 20.0), "soft": ((13.0, 18.0, 12.0), 4.5, 0.1)}

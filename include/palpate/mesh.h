@@ -15,7 +15,7 @@ extern "C" {
 /* Limits: at least two nodes and one element, at most INT32_MAX nodes, which a lattice refuses with
  * ERR_ARGUMENT; at most INT32_MAX / 4 tetrahedra (ERR_LIMIT). A network is limited earlier, by the entries of
  * its tangent and of the factor, which have 32-bit indices (ERR_LIMIT of palp_network_create). A mesh is one
- * connected part unless it was joined (palp_mesh_join), and no pair of nodes has two elements. Tetrahedra that
+ * connected part unless it was joined (palp_mesh_join); no pair of nodes has two elements. Tetrahedra that
  * overlap without being the same one are not refused. */
 typedef struct palp_mesh palp_mesh; /* owns its arrays; free with palp_mesh_free */
 

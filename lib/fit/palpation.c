@@ -20,7 +20,7 @@ enum {
     ALL = PLACE + 1
 };                   /* parameters: x, y, z and the logarithm of the radius; of the stiffness */
 enum { LEVELS = 2 }; /* states of a press: at half its depth and at all of it */
-enum { STIFFNESSES = 7, STARTS = 3, SCAN = 5, FEWEST = 8 };
+enum { KNOWN = 4, STIFFNESSES = 7, STARTS = 3, SCAN = 5, FEWEST = 8 };
 static const double STIFFNESS[STIFFNESSES] = {1.5, 2.2, 3.5, 6.0, 12.0, 25.0, 50.0}; /* or one over these */
 static const double FIRST = 6.0;      /* the one that is tried first */
 static const double SCANNED = 1.5;    /* that of the scan, which is linear in its logarithm */
@@ -42,12 +42,14 @@ typedef struct search {
     const palp_palpation_press *press;
     double edge, low[3], high[3], shortest;
     palp_network *touched, *bare; /* with the tool, and without */
-    double *x;                    /* [3 n_nodes] for each level of each press: the last equilibrium */
-    bool solved;                  /* x holds some */
-    double *wanted;               /* [n] logarithms of the measured forces, less their mean */
-    double *work, *elastic;       /* [n] model's, and that of its elements at x */
-    double *moved;                /* [n] */
-    double log_stiffness;         /* of the ball */
+    double known_squares;         /* of errors of so many presses: what is known of them before */
+    size_t known;
+    double *x;              /* [3 n_nodes] for each level of each press: the last equilibrium */
+    bool solved;            /* x holds some */
+    double *wanted;         /* [n] logarithms of the measured forces, less their mean */
+    double *work, *elastic; /* [n] model's, and that of its elements at x */
+    double *moved;          /* [n] */
+    double log_stiffness;   /* of the ball */
     double gain;
     double done, planned; /* evaluations */
 } search;
@@ -390,11 +392,12 @@ static palp_status fit_all_stiffnesses(search *s, const candidate *first, candid
     return status;
 }
 
-/* Logarithm of the ratio of marginal likelihoods, this ball over none: the variance of the forces and the
- * gain are integrated out with Jeffreys' prior, the place over the mesh and the logarithm of the radius over
- * its range, by Laplace's method. */
+/* Logarithm of the ratio of marginal likelihoods, this ball over none: the variance of the forces is
+ * integrated out with what is known of it before, and the gain; the place over the mesh and the logarithm of
+ * the radius over its range, by Laplace's method. */
 static double evidence_of_ball(const search *s, const candidate *c, double squares) {
-    const double freedom = (double)s->n - 1.0, variance = c->squares / freedom;
+    const double freedom = (double)(s->n - 1 + s->known), own = c->squares + s->known_squares,
+                 none = squares + s->known_squares, variance = own / freedom;
     double volume = 0.0, normal[PLACE * PLACE];
     if (!c->known)
         return -INFINITY;
@@ -405,7 +408,7 @@ static double evidence_of_ball(const search *s, const candidate *c, double squar
     for (int k = 0; k < 3; k++)
         volume -= log((s->high[k] - s->low[k]) / s->edge);
     volume -= log(log(MOST * s->shortest / s->edge) - log(LEAST));
-    return -0.5 * freedom * log(c->squares / squares) + fmin(volume, 0.0);
+    return -0.5 * freedom * log(own / none) + fmin(volume, 0.0);
 }
 
 /* Width of the logarithm of the stiffness that one of them stands for. */
@@ -483,7 +486,7 @@ static void find_interval_of_stiffness(const candidate found[STIFFNESSES],
 static size_t find_intervals(const search *s, const candidate found[STIFFNESSES],
                              const double posterior[STIFFNESSES], palp_palpation *result) {
     static const double TAIL = 0.025;
-    const size_t freedom = s->n > ALL + 2 ? s->n - ALL - 1 : 1;
+    const size_t freedom = s->known + (s->n > ALL + 2 ? s->n - ALL - 1 : 1);
     palp_palpation_value *value[PLACE] = {&result->x_m, &result->y_m, &result->z_m, &result->radius_m};
     double least[PLACE], most[PLACE];
     size_t best = 0;
@@ -497,7 +500,8 @@ static size_t find_intervals(const search *s, const candidate found[STIFFNESSES]
             m.share[i] = posterior[i];
             m.mean[i] = found[i].p[k];
             m.sd[i] = statistics_student_widening(freedom) *
-                      sqrt(found[i].squares / (double)freedom * found[i].covariance[k * PLACE + k]);
+                      sqrt((found[i].squares + s->known_squares) / (double)freedom *
+                           found[i].covariance[k * PLACE + k]);
             m.sd[i] = fmax(fmin(m.sd[i], most[k] - least[k]), 1e-9);
         }
         double *end[] = {&value[k]->best, &value[k]->low, &value[k]->high};
@@ -666,7 +670,8 @@ static palp_status solve_without_ball(search *s, palp_error *error) {
 }
 
 /* A lattice misses something of a press at its borders and between its nodes. What a finer one of the tissue
- * without a ball has more, log[n] of the forces, is taken for what it misses with one too. */
+ * without a ball has more, log[n] of the forces, is taken for what it misses with one too. The finer one has
+ * an error as well: before the presses it is known to be about as large, which counts as so many presses. */
 static palp_status measure_lattice_error(search *s, double *more) {
     search fine = *s;
     palp_mesh_source *source = malloc(sizeof *source);
@@ -711,6 +716,9 @@ static palp_status press_tissue_alone(search *s, double *residual, double *squar
     for (size_t i = 0; i < s->n && !status; i++)
         s->wanted[i] -= residual[i];
     subtract_mean(s->n, s->wanted);
+    subtract_mean(s->n, residual);
+    s->known_squares = KNOWN * dense_dot(s->n, residual, residual) / (double)s->n;
+    s->known = s->known_squares > 0.0 ? KNOWN : 0;
     if (!status)
         status = work_of_held_nodes(s, s->elastic);
     for (size_t i = 0; i < s->n && !status; i++)

@@ -310,6 +310,15 @@ START_TEST(null_in_tie) {
 }
 END_TEST
 
+START_TEST(null_in_palpation) {
+    REFUSED(palp_palpate(NULL, mesh, 2, (void *)storage, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_palpate(&model, NULL, 2, (void *)storage, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_palpate(&model, mesh, 2, NULL, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_palpate(&model, mesh, 2, (void *)storage, NULL, (void *)storage, NULL));
+    REFUSED(palp_palpate(&model, mesh, 2, (void *)storage, (void *)storage, NULL, NULL));
+}
+END_TEST
+
 START_TEST(null_in_vtu) {
     REFUSED(palp_vtu_open(NULL, text, (palp_vtu **)pointers, NULL));
     REFUSED(palp_vtu_open(text, NULL, (palp_vtu **)pointers, NULL));
@@ -360,6 +369,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, null_in_thesis);
     tcase_add_test(tc, null_in_visual);
     tcase_add_test(tc, null_in_tool);
+    tcase_add_test(tc, null_in_palpation);
     tcase_add_test(tc, null_in_tie);
     tcase_add_test(tc, null_in_vtu);
     tcase_add_test(tc, null_in_forward);

@@ -10,12 +10,12 @@ from .fits import (Calibration, Explanation, LumpedFit, SpecimensFit, calibrate_
                    characterize, characterize_likelihood, characterize_specimens, explain, guess_law, press, select_arms,
                    select_degree, select_law)
 from .models import Model, Path, covariance, effect, law, law_force, material
-from .networks import Mesh, Network, Realtime, capsule, plane, sphere
+from .networks import Hull, Mesh, Network, Realtime, capsule, hull, plane, sphere
 from .recordings import Experiment, Recording
 
 __version__ = c.VERSION
 __all__ = ['c', 'Error', 'Calibration', 'Explanation', 'LumpedFit', 'SpecimensFit', 'calibrate_presses',
            'calibrate_relaxation', 'calibrate_static', 'characterize', 'characterize_likelihood', 'characterize_specimens',
            'explain', 'guess_law', 'press', 'select_arms', 'select_degree', 'select_law', 'Model', 'Path', 'covariance',
-           'effect', 'law', 'law_force', 'material', 'Mesh', 'Network', 'Realtime', 'capsule', 'plane', 'sphere',
+           'effect', 'law', 'law_force', 'material', 'Hull', 'Mesh', 'Network', 'Realtime', 'capsule', 'hull', 'plane', 'sphere',
            'Experiment', 'Recording']

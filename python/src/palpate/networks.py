@@ -117,9 +117,32 @@ def plane(position_m, normal, friction=0.0):
     return c.palp_tool(shape=c.PALP_TOOL_PLANE, position_m=position_m, axis=normal, friction=friction)
 
 
+class Hull(Handle):
+    """The convex hull of points [n, 3] in a frame of its own, for tools."""
+    __slots__ = ()
+
+    def __init__(self, points_m):
+        points_m, pointer = np.reshape(points_m, (-1, 3)), POINTER(c.palp_hull)()
+        c.palp_hull_create(len(points_m), points_m, byref(pointer), c.palp_error())
+        super().__init__(pointer, c.palp_hull_free)
+
+    @classmethod
+    def box(cls, half_m):
+        """A box of these half sides."""
+        return cls(np.array(np.meshgrid(*[(-h, h) for h in half_m])).reshape(3, -1).T)
+
+
+def hull(shape, radius_m, position_m, orientation=(0, 0, 0, 0), friction=0.0):
+    """A Hull with edges rounded by radius_m, turned by a unit quaternion w, x, y, z."""
+    tool = c.palp_tool(shape=c.PALP_TOOL_HULL, radius_m=radius_m, position_m=position_m, orientation=orientation,
+                       hull=shape._as_parameter_, friction=friction)
+    tool._keep = {'hull': shape}
+    return tool
+
+
 class Network(Handle):
     """Particles joined by springs and dashpots. Arrays view the last committed state until the next step."""
-    __slots__ = ('max_tools', 'max_ties')
+    __slots__ = ('max_tools', 'max_ties', '_tools')
 
     def __init__(self, mesh, material, supports=None, **settings):
         """supports: a list of c.palp_support; None: bottom fixed, top driven. settings: c.palp_network_settings."""
@@ -244,8 +267,9 @@ class Network(Handle):
         self.max_tools = max_tools
 
     def set_tools(self, *tools):
-        """The tools of the next steps: sphere, capsule, plane."""
+        """The tools of the next steps: sphere, capsule, plane, hull."""
         c.palp_network_set_tools(self, len(tools), array(c.palp_tool, tools))
+        self._tools = tools  # with their hulls
 
     @property
     def tool_forces(self):

@@ -1,0 +1,170 @@
+/* test_palpation.c: a ball hidden in a small cube. */
+#include "network_make.h"
+
+#include <palpate/palpation.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { GRID = 4, PRESSES = GRID * GRID };
+
+typedef struct tissue {
+    palp_mesh_source source;
+    palp_model model;
+    palp_mesh *mesh;
+} tissue;
+
+static void make(tissue *t, size_t nodes, double side, double stiffness, const palp_region *ball) {
+    memset(t, 0, sizeof *t);
+    t->source = (palp_mesh_source){.kind = PALP_MESH_LATTICE,
+                                   .nodes = {nodes, nodes, nodes},
+                                   .size_m = {side, side, side},
+                                   .neighbourhood = PALP_NEIGHBOURS_26,
+                                   .scaling = PALP_SCALING_CONTINUUM,
+                                   .n_regions = ball != NULL};
+    if (ball)
+        t->source.regions[0] = *ball;
+    t->model = (palp_model){.kind = PALP_MODEL_NETWORK, .mesh = &t->source};
+    ck_assert_int_eq(palp_law_polynomial(1, &stiffness, &t->model.material.law), PALP_OK);
+    ck_assert_int_eq(palp_model_mesh(&t->model, &t->mesh, NULL), PALP_OK);
+}
+
+/* A map of a cube of this side with the ball, forces times factor. */
+static void map_of(double side, double stiffness, double factor, const palp_region *ball,
+                   palp_palpation_press map[PRESSES]) {
+    const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
+    palp_contact_settings contact = palp_contact_settings_default();
+    palp_network *net = NULL;
+    tissue t;
+    make(&t, 8, side, stiffness, ball);
+    contact.subdivisions = 1;
+    ck_assert_int_eq(palp_network_from_model(&t.model, t.mesh, 1, &bottom, NULL, &net, NULL), PALP_OK);
+    ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &contact), PALP_OK);
+    for (int i = 0; i < PRESSES; i++) {
+        palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = 0.2 * side};
+        const double depth = 0.08 * side;
+        double sum = 0.0;
+        tool.position_m[0] = side * (0.2 + 0.2 * (i / GRID));
+        tool.position_m[1] = side + tool.radius_m;
+        tool.position_m[2] = side * (0.2 + 0.2 * (i % GRID));
+        map[i] = (palp_palpation_press){.tool = tool, .depth_m = depth};
+        palp_network_reset(net);
+        for (int k = 2; k <= 4; k++) {
+            palp_tool_force felt;
+            tool.position_m[1] = side + tool.radius_m - 0.25 * depth * k;
+            ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
+            ck_assert_int_eq(palp_network_step(net, 0.0, INFINITY, NULL), PALP_OK);
+            ck_assert_int_eq(palp_network_tool_force(net, &felt), PALP_OK);
+            sum += felt.force_N[1] * (k == 3 ? 4.0 : 1.0) / 6.0;
+        }
+        map[i].force_N = factor * sum;
+    }
+    palp_network_free(net);
+    palp_mesh_free(t.mesh);
+}
+
+static palp_region ball_in(double side, double stiffness) {
+    return (palp_region){.name = "hidden",
+                         .shape = PALP_REGION_SPHERE,
+                         .centre_m = {0.35 * side, 0.7 * side, 0.6 * side},
+                         .radius_m = 0.2 * side,
+                         .stiffness = stiffness};
+}
+
+static palp_palpation look(double side, double stiffness, double factor, double ball_stiffness,
+                           size_t n_candidates) {
+    const palp_region ball = ball_in(side, ball_stiffness);
+    palp_palpation_settings settings = palp_palpation_settings_default();
+    palp_palpation_press map[PRESSES];
+    palp_palpation found;
+    palp_error error = {PALP_OK, ""};
+    tissue t;
+    map_of(side, stiffness, factor, ball_stiffness == 1.0 ? NULL : &ball, map);
+    make(&t, 5, side, stiffness, NULL);
+    settings.contact.subdivisions = 1;
+    settings.n_candidates = n_candidates;
+    settings.candidate = map;
+    const palp_status status = palp_palpate(&t.model, t.mesh, PRESSES, map, &settings, &found, &error);
+    ck_assert_msg(!status, "%s", error.text);
+    palp_mesh_free(t.mesh);
+    return found;
+}
+
+/* A stiff ball is found where it is, and the next press is above it rather than in the far corner. */
+START_TEST(ball_is_found) {
+    const palp_palpation p = look(0.024, 8.0, 1.3, 8.0, PRESSES);
+    ck_assert_msg(p.found, "evidence %g", p.evidence);
+    ck_assert_double_eq_tol(p.x_m.best, 0.35 * 0.024, 0.003);
+    ck_assert_double_eq_tol(p.z_m.best, 0.6 * 0.024, 0.003);
+    ck_assert_double_gt(p.stiffness.best, 1.0);
+    ck_assert(p.x_m.low < p.x_m.high && p.radius_m.low < p.radius_m.high);
+    ck_assert_double_lt(p.scatter_found, 0.5 * p.scatter);
+    ck_assert_double_eq_tol(p.gain, 1.3, 0.2);
+    ck_assert_uint_lt(p.next, PRESSES);
+}
+END_TEST
+
+/* Without a ball the evidence is against one. */
+START_TEST(none_is_found) {
+    const palp_palpation p = look(0.024, 8.0, 1.0, 1.0, 0);
+    ck_assert_msg(!p.found, "evidence %g", p.evidence);
+    ck_assert_uint_eq(p.next, 0);
+}
+END_TEST
+
+/* Lengths, stiffness and the forces' unit times factors change nothing else. */
+START_TEST(units_do_not_matter) {
+    const palp_palpation one = look(0.024, 8.0, 1.0, 8.0, 0), two = look(0.6, 3000.0, 7.0, 8.0, 0);
+    ck_assert_double_eq_tol(two.evidence, one.evidence, 0.02);
+    ck_assert_double_eq_tol(two.x_m.best / 0.6, one.x_m.best / 0.024, 1e-3);
+    ck_assert_double_eq_tol(two.y_m.high / 0.6, one.y_m.high / 0.024, 1e-2);
+    ck_assert_double_eq_tol(two.stiffness.best, one.stiffness.best, 1e-6);
+    ck_assert_double_eq_tol(two.gain / 7.0, one.gain, 1e-2);
+}
+END_TEST
+
+static int stop(void *user, double share) {
+    *(double *)user = share;
+    return 1;
+}
+
+START_TEST(refused) {
+    palp_palpation_press map[PRESSES];
+    palp_palpation_settings settings = palp_palpation_settings_default();
+    palp_palpation p;
+    palp_error error;
+    double share = 0.0;
+    tissue t;
+    map_of(0.024, 8.0, 1.0, NULL, map);
+    make(&t, 4, 0.024, 8.0, NULL);
+    ck_assert_int_eq(palp_palpate(&t.model, t.mesh, 7, map, &settings, &p, &error), PALP_ERR_ARGUMENT);
+    ck_assert_str_eq(error.text, "a ball needs at least 8 presses");
+    settings.false_alarm = 1.0;
+    ck_assert_int_eq(palp_palpate(&t.model, t.mesh, PRESSES, map, &settings, &p, &error), PALP_ERR_ARGUMENT);
+    settings.false_alarm = 0.05;
+    map[3].force_N = -1.0;
+    ck_assert_int_eq(palp_palpate(&t.model, t.mesh, PRESSES, map, &settings, &p, &error), PALP_ERR_ARGUMENT);
+    ck_assert_str_eq(error.text, "press 4: needs a sphere, a depth and a force above 0");
+    map[3].force_N = map[4].force_N;
+    map[5].tool.shape = PALP_TOOL_PLANE;
+    ck_assert_int_eq(palp_palpate(&t.model, t.mesh, PRESSES, map, &settings, &p, &error), PALP_ERR_ARGUMENT);
+    map[5].tool.shape = PALP_TOOL_SPHERE;
+    t.model.density_kg_m3 = 1000.0;
+    ck_assert_int_eq(palp_palpate(&t.model, t.mesh, PRESSES, map, &settings, &p, &error),
+                     PALP_ERR_UNSUPPORTED);
+    t.model.density_kg_m3 = 0.0;
+    settings.progress = stop;
+    settings.user = &share;
+    ck_assert_int_eq(palp_palpate(&t.model, t.mesh, PRESSES, map, &settings, &p, &error), PALP_ERR_STOPPED);
+    ck_assert_double_gt(share, 0.0);
+    palp_mesh_free(t.mesh);
+}
+END_TEST
+
+void tests(TCase *tc) {
+    tcase_set_timeout(tc, 300);
+    tcase_add_test(tc, ball_is_found);
+    tcase_add_test(tc, none_is_found);
+    tcase_add_test(tc, units_do_not_matter);
+    tcase_add_test(tc, refused);
+}
