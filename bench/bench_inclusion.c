@@ -13,7 +13,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { TRUE_NODES = 12, NODES = 8, GRID = 4, PRESSES = GRID * GRID, STEPS = 8 };
+enum { TRUE_NODES = 12, NODES = 11, GRID = 4, PRESSES = GRID * GRID, STEPS = 8 };
 static const double SIDE = 0.024, RADIUS = 0.004, DEPTH = 1.5e-3, NOISE = 0.005;
 
 typedef struct stream {
@@ -133,10 +133,7 @@ static int look_in_map(const char *name) {
     static const struct {
         const char *name;
         double truth[5];
-    } BALLS[] = {{"none", {0, 0, 0, 0, 1}},
-                 {"deep", {0.010, 0.015, 0.014, 0.005, 8}},
-                 {"near", {0.015, 0.019, 0.009, 0.0035, 20}},
-                 {"soft", {0.013, 0.018, 0.012, 0.0045, 0.1}}};
+    } BALLS[] = {{"none", {0, 0, 0, 0, 1}}, {"near", {0.015, 0.019, 0.009, 0.0035, 20}}};
     palp_palpation_press map[PRESSES];
     char line[200], ball[20];
     double x, z, half, whole;

@@ -18,7 +18,7 @@ FILE = os.path.join(HERE, "palpation.csv")
 HEIGHT, CELLS, RADIUS, DEPTH, NU = 24.0, 16, 5.0, 1.2, 0.3
 PLACES = (5.0, 9.5, 14.5, 19.0)
 # name: middle in mm from the corner, radius in mm, factor of stiffness
-BALLS = {"none": None, "deep": ((10.0, 15.0, 14.0), 5.0, 8.0), "near": ((15.0, 19.0, 9.0), 3.5, 20.0), "soft": ((13.0, 18.0, 12.0), 4.5, 0.1)}
+BALLS = {"none": None, "near": ((15.0, 19.0, 9.0), 3.5, 20.0)}
 
 
 def disc(f, radius, edge, place, node0, element0, m):

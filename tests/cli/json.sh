@@ -124,6 +124,14 @@ expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 2 --sample-
 expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 2 --sample-Hz 2 --out tip_no.csv
 expect 0 calibrate $L tip_at.csv tip_no.csv --start nodule.json --stage static --degree 0 --poisson 0.4 --fit-region nodule --json && mv out cal_region.json
 set -- "$@" model=regions.json experiment=tip_at.csv calibrate=cal_region.json
+for x in 6 12 18; do # a map of presses over the nodule, and the network without it
+    for z in 6 12 18; do
+        expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 1.5 --sample-Hz 5 --tip sphere --tip-radius-mm 6 --tip-x-mm $x --tip-z-mm $z \
+            --out map_${x}_$z.csv
+    done
+done
+expect 0 inclusion solid.json map_*.csv --subdivisions 0 --json && mv out inclusion.json
+set -- "$@" inclusion=inclusion.json
 motion='"depth_mm": 2, "hold_s": 0.1, "air_mm": 1, "air_s": 0.1, "after_s": 0.1, "rest_s": 0.1, "acceleration_mm_s2": 400'
 waves='"amplitude_mm": 0.2, "frequency_Hz": 2, "rate_mm_s": 3'
 segments='[{"move_to_mm": 1, "rate_mm_s": 5, "acceleration_mm_s2": 100}, {"hold_s": 0.1}, {"cycle_to_mm": 2, "rate_mm_s": 5, "cycles": 1},
