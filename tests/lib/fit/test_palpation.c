@@ -1,4 +1,4 @@
-/* test_palpation.c: a ball hidden in a small cube. */
+/* test_palpation.c: a ball hidden in a small cube. check: once */
 #include "network_make.h"
 
 #include <palpate/palpation.h>
