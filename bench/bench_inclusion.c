@@ -13,7 +13,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { TRUE_NODES = 12, NODES = 11, GRID = 4, PRESSES = GRID * GRID, STEPS = 8 };
+enum { TRUE_NODES = 12, NODES = 8, GRID = 4, PRESSES = GRID * GRID, STEPS = 8 };
 static const double SIDE = 0.024, RADIUS = 0.004, DEPTH = 1.5e-3, NOISE = 0.005;
 
 typedef struct stream {
