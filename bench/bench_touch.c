@@ -1,6 +1,8 @@
 /* bench_touch.c: spheres pressed into a cube of 24 mm, on a node, between two, in the middle of a cell and
- * off it: force over that of Hertz, of the solid with the same force under a plate. usage: bench_touch
- * [none|continuum [local|triangles|SUBDIVISIONS [STIFFNESS]]] */
+ * off it: force over that of a neo-Hookean solid with the same force under a plate. usage: bench_touch
+ * [none|continuum [local|triangles|SUBDIVISIONS [STIFFNESS]]]. BENCH_NODES=N: so many nodes a side alone;
+ * BENCH_POISSON: Poisson's ratio, 0.25; BENCH_LAW=one: springs of one stiffness instead of the solid's law.
+ */
 #include "bench.h"
 
 #include <math.h>
@@ -8,16 +10,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PLATE = 8.18; /* N per unit strain between bonded plates */
-enum { RADII = 3, DEPTHS = 3, PLACES = 4 };
-static const double radius_mm[RADII] = {3, 5, 10}, depth_mm[DEPTHS] = {0.5, 1.0, 1.5};
+static const double PI = 3.14159265358979323846, SMALL = 1e-5; /* of the height */
+enum { RADII = 3, DEPTHS = 3, PLACES = 4, STEPS = 4 };
+static const double radius_mm[RADII] = {3, 5, 10}, depth_mm[DEPTHS] = {0.5, 1.0, 2.0};
 static const double place[PLACES][2] = {{0, 0}, {0.5, 0}, {0.5, 0.5}, {0.3, 0.1}}; /* of an edge */
 
-/* Hertz's force with the modulus of the cube that a plate meets with PLATE (bonded, Poisson's ratio 1/4):
- * linear hexahedra with contact, refined under the tip, have 0.99 to 1.03 of it for this block. */
-static double hertz(double radius, double depth) {
-    static const double MODULUS = 13590.0; /* Pa */
-    return 4.0 / 3.0 * MODULUS / (1.0 - 1.0 / 16.0) * sqrt(radius * depth) * depth;
+static double section_radius(void) {
+    return BENCH_SIZE / sqrt(PI);
+}
+
+/* Force over the shear modulus, m2; NaN beyond the tables. */
+static double solid(palp_indentation tip, double poisson, double depth) {
+    double force = NAN;
+    tip.thickness_m = BENCH_SIZE;
+    tip.poisson = poisson;
+    const palp_status status = palp_indentation_force(&tip, 1, &depth, &force);
+    if (status != PALP_ERR_LIMIT)
+        bench_check(status, "solid");
+    return status ? NAN : force;
 }
 
 static palp_mesh *cube(size_t n, palp_mesh_scaling scaling) {
@@ -29,70 +39,107 @@ static palp_mesh *cube(size_t n, palp_mesh_scaling scaling) {
     return mesh;
 }
 
-/* The law that has the plate's force. */
-static palp_material as_stiff(const palp_mesh *mesh) {
-    palp_support supports[2];
+static palp_network_settings settings_of(double poisson) {
     palp_network_settings settings = palp_network_settings_default();
+    settings.poisson_ratio = poisson > 0.25 ? poisson : 0.0;
+    return settings;
+}
+
+/* A solid's law, or one stiffness. */
+static palp_material material_of(const palp_mesh *mesh, double poisson) {
+    const char *law = getenv("BENCH_LAW");
     palp_material material = {.n_arms = 0};
-    palp_network *net = NULL;
-    double K = PLATE;
-    palp_supports_default(supports);
-    bench_check(palp_law_polynomial(1, &K, &material.law), "law");
-    bench_check(palp_network_create(mesh, &material, 2, supports, &settings, &net, NULL), "network");
-    bench_check(palp_network_step(net, 1e-5 * BENCH_SIZE, INFINITY, NULL), "plate");
-    K *= 1e-5 * PLATE / palp_network_force(net);
-    palp_network_free(net);
-    bench_check(palp_law_polynomial(1, &K, &material.law), "law");
+    double rest;
+    bench_check(palp_law_of_solid(mesh, poisson, 1e4, &material.law), "law");
+    palp_law_stiffness(&material.law, 0.0, &rest, NULL);
+    if (law && strcmp(law, "one") == 0)
+        bench_check(palp_law_polynomial(1, &rest, &material.law), "law");
     return material;
 }
 
-static double press(const palp_mesh *mesh, const palp_material *material, const palp_contact_settings *touch,
-                    double radius, double depth, const double at[2]) {
-    enum { STEPS = 5 };
+/* The shear modulus of the solid with its force under a plate. */
+static double modulus_by_plate(const palp_mesh *mesh, const palp_material *material, double poisson) {
+    const palp_indentation plate = {.tip = PALP_TIP_PLATE, .radius_m = section_radius(), .tip_sticks = true};
+    const palp_network_settings settings = settings_of(poisson);
+    palp_support supports[2];
+    palp_network *net = NULL;
+    palp_supports_default(supports);
+    bench_check(palp_network_create(mesh, material, 2, supports, &settings, &net, NULL), "network");
+    bench_check(palp_network_step(net, SMALL * BENCH_SIZE, INFINITY, NULL), "plate");
+    const double force = palp_network_force(net);
+    palp_network_free(net);
+    return force / solid(plate, poisson, SMALL * BENCH_SIZE);
+}
+
+/* Forces at all depths. */
+static void press(const palp_mesh *mesh, const palp_material *material, double poisson,
+                  const palp_contact_settings *touch, double radius, const double at[2],
+                  double force[DEPTHS]) {
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0}};
-    palp_network_settings settings = palp_network_settings_default();
+    const palp_network_settings settings = settings_of(poisson);
     palp_network *net = NULL;
     palp_tool_force felt = {.contacts = 0};
     bench_check(palp_network_create(mesh, material, 1, &bottom, &settings, &net, NULL), "network");
     bench_check(palp_network_enable_tools(net, 1, 0, touch), "tools");
-    for (int i = 1; i <= STEPS; i++) {
-        const palp_tool tool = {.shape = PALP_TOOL_SPHERE,
-                                .position_m = {at[0], BENCH_SIZE + radius - depth * i / STEPS, at[1]},
-                                .radius_m = radius};
-        bench_check(palp_network_set_tools(net, 1, &tool), "tool");
-        bench_check(palp_network_step(net, 0.0, INFINITY, NULL), "step");
+    for (int d = 0; d < DEPTHS; d++) {
+        const double before = d ? depth_mm[d - 1] : 0.0;
+        for (int i = 1; i <= STEPS; i++) {
+            const double depth = 1e-3 * (before + (depth_mm[d] - before) * i / STEPS);
+            const palp_tool tool = {.shape = PALP_TOOL_SPHERE,
+                                    .position_m = {at[0], BENCH_SIZE + radius - depth, at[1]},
+                                    .radius_m = radius};
+            bench_check(palp_network_set_tools(net, 1, &tool), "tool");
+            bench_check(palp_network_step(net, 0.0, INFINITY, NULL), "step");
+        }
         bench_check(palp_network_tool_force(net, &felt), "force");
+        force[d] = felt.force_N[1];
     }
     palp_network_free(net);
-    return felt.force_N[1];
+}
+
+static void press_all(const palp_mesh *mesh, size_t side, double poisson,
+                      const palp_contact_settings *touch) {
+    const palp_material material = material_of(mesh, poisson);
+    const double edge = BENCH_SIZE / (double)(side - 1), shear = modulus_by_plate(mesh, &material, poisson);
+    for (size_t r = 0; r < RADII; r++) {
+        double force[PLACES][DEPTHS];
+        const palp_indentation sphere = {.tip = PALP_TIP_SPHERE,
+                                         .radius_m = 1e-3 * radius_mm[r],
+                                         .large_strain = true,
+                                         .specimen_radius_m = section_radius()};
+        for (size_t p = 0; p < PLACES; p++) {
+            const double at[2] = {0.5 * BENCH_SIZE + edge * place[p][0],
+                                  0.5 * BENCH_SIZE + edge * place[p][1]};
+            press(mesh, &material, poisson, touch, sphere.radius_m, at, force[p]);
+        }
+        for (size_t d = 0; d < DEPTHS; d++) {
+            const double whole = shear * solid(sphere, poisson, 1e-3 * depth_mm[d]);
+            if (isnan(whole))
+                continue;
+            printf("%7zu %6g %6g", side, radius_mm[r], depth_mm[d]);
+            for (size_t p = 0; p < PLACES; p++)
+                printf(" %6.3f", force[p][d] / whole);
+            printf("\n");
+        }
+        fflush(stdout);
+    }
 }
 
 int main(int argc, char **argv) {
-    static const size_t sides[] = {5, 7, 11};
+    static const size_t SIDES[] = {5, 7, 11};
+    const char *nodes = getenv("BENCH_NODES"), *ratio = getenv("BENCH_POISSON");
+    const double poisson = ratio ? atof(ratio) : 0.25;
     const palp_mesh_scaling scaling =
         argc > 1 && strcmp(argv[1], "none") == 0 ? PALP_SCALING_NONE : PALP_SCALING_CONTINUUM;
     palp_contact_settings touch = palp_contact_settings_default();
     touch.subdivisions = argc > 2 ? (size_t)atoi(argv[2]) : 0;
     touch.local = argc <= 2 || strcmp(argv[2], "local") == 0;
     touch.stiffness = argc > 3 ? atof(argv[3]) : touch.stiffness;
-    printf("%7s %6s %6s %s\n", "nodes", "radius", "depth", "force over Hertz's: node, edge, cell, off");
-    for (size_t s = 0; s < sizeof sides / sizeof *sides; s++) {
-        palp_mesh *mesh = cube(sides[s], scaling);
-        const palp_material material = as_stiff(mesh);
-        const double edge = BENCH_SIZE / (double)(sides[s] - 1);
-        for (size_t r = 0; r < RADII; r++)
-            for (size_t d = 0; d < DEPTHS; d++) {
-                printf("%7zu %6g %6g", sides[s], radius_mm[r], depth_mm[d]);
-                for (size_t p = 0; p < PLACES; p++) {
-                    const double at[2] = {0.5 * BENCH_SIZE + edge * place[p][0],
-                                          0.5 * BENCH_SIZE + edge * place[p][1]};
-                    const double radius = 1e-3 * radius_mm[r], depth = 1e-3 * depth_mm[d];
-                    printf(" %6.2f",
-                           press(mesh, &material, &touch, radius, depth, at) / hertz(radius, depth));
-                }
-                printf("\n");
-                fflush(stdout);
-            }
+    printf("%7s %6s %6s %s\n", "nodes", "radius", "depth", "force over the solid's: node, edge, cell, off");
+    for (size_t s = 0; s < (nodes ? 1 : sizeof SIDES / sizeof *SIDES); s++) {
+        const size_t side = nodes ? strtoul(nodes, NULL, 10) : SIDES[s];
+        palp_mesh *mesh = cube(side, scaling);
+        press_all(mesh, side, poisson, &touch);
         palp_mesh_free(mesh);
     }
     return 0;

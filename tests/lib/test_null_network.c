@@ -85,6 +85,8 @@ START_TEST(null_in_mesh) {
     NOTHING(!palp_mesh_triangles(NULL));
     REFUSED(palp_mesh_scale(NULL, 0, 0.5, NULL));
     NOTHING(!palp_mesh_element_scale(NULL));
+    REFUSED(palp_law_of_solid(NULL, 0.25, 1.0, (palp_law *)pointers));
+    REFUSED(palp_law_of_solid(mesh, 0.25, 1.0, NULL));
     REFUSED(palp_mesh_add_set(NULL, text, 2, nodes));
     REFUSED(palp_mesh_add_set(mesh, NULL, 2, nodes));
     REFUSED(palp_mesh_add_set(mesh, text, 2, NULL));

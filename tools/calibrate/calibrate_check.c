@@ -19,7 +19,7 @@ typedef struct check_state {
     palp_mesh_source source;
     palp_mesh *mesh;
     double *covariance, *between; /* of the model, to write them again */
-    palp_material material;       /* its elements relaxed, with their stiffness at rest */
+    palp_material material; /* its elements relaxed, with their stiffness at rest; later a solid's law */
     palp_network_settings settings;
     palp_contact_settings touch;
     double low[3], high[3], height_m, section_m2;
@@ -174,6 +174,21 @@ static palp_status find_modulus(check_state *c) {
     return status;
 }
 
+/* Gives the elements the law of a neo-Hookean solid, with their stiffness at rest: one stiffness for all
+ * strains is no solid's. Where there is no such law they keep it. */
+static palp_status find_law(check_state *c) {
+    static const double LEAST = 0.25, MOST = 0.499;
+    palp_law law;
+    double rest, own;
+    const double poisson = fmin(fmax(c->poisson, LEAST), MOST);
+    palp_status status = palp_law_of_solid(c->mesh, poisson, 1.0, &law);
+    if (status)
+        return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    palp_law_stiffness(&c->material.law, 0.0, &rest, NULL);
+    palp_law_stiffness(&law, 0.0, &own, NULL);
+    return palp_law_scale(&law, rest / own, &c->material.law);
+}
+
 /* Forces of a neo-Hookean solid; 0 where it is not known. */
 static palp_status find_forces(check_state *c) {
     for (size_t r = 0; r < c->n_radii; r++)
@@ -302,6 +317,8 @@ static int check(const calibrate_options *o, check_state *c) {
     palp_status status = find_poisson(c);
     if (!status)
         status = find_modulus(c);
+    if (!status)
+        status = find_law(c);
     if (!status)
         status = find_forces(c);
     for (size_t r = 0; !status && r < c->n_radii; r++)

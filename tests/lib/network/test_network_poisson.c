@@ -347,8 +347,73 @@ START_TEST(refused) {
 }
 END_TEST
 
+/* ---- the law of a solid -------------------------------------------------------------------------- */
+
+/* Force of a neo-Hookean cube of HEIGHT and the shear modulus 1, pressed to this stretch between plates on
+ * which it slides: (I1 J^(-2/3) - 3) / 2 + bulk (J - 1)^2 / 2. */
+static double neo_hookean(double ratio, double along) {
+    const double bulk = 2.0 * (1.0 + ratio) / (3.0 * (1.0 - 2.0 * ratio));
+    double low = 1.0, high = 1.0 / sqrt(along), force = 0.0;
+    for (int i = 0; i < 60; i++) {
+        const double across = 0.5 * (low + high), J = along * across * across, keep = pow(J, -2.0 / 3.0),
+                     by_J = bulk * (J - 1.0) - keep * (along * along + 2.0 * across * across) / (3.0 * J);
+        *(keep + by_J * along > 0.0 ? &high : &low) = across;
+        force = -(keep * along + by_J * across * across) * HEIGHT * HEIGHT;
+    }
+    return force;
+}
+
+/* Force of a cube of elements with this law, pressed so. */
+static double evenly_pressed(size_t n, const palp_law *law, double ratio, double strain) {
+    static const palp_support SLIDE[] = {{"bottom", {PALP_FREE, PALP_FIXED, PALP_FREE}, {0}},
+                                         {"top", {PALP_FREE, PALP_DRIVEN, PALP_FREE}, {0, -1, 0}},
+                                         {"low x", {PALP_FIXED, PALP_FREE, PALP_FREE}, {0}},
+                                         {"low z", {PALP_FREE, PALP_FREE, PALP_FIXED}, {0}}};
+    const palp_network_settings settings = poisson(ratio > 0.25 ? ratio : 0.0);
+    const palp_material m = {.law = *law};
+    palp_mesh *mesh = solid_cube(n);
+    palp_network *net = NULL;
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "low x", 0, 0.0, 1e-9), PALP_OK);
+    ck_assert_int_eq(palp_mesh_add_plane_set(mesh, "low z", 2, 0.0, 1e-9), PALP_OK);
+    ck_assert_int_eq(palp_network_create(mesh, &m, 4, SLIDE, &settings, &net, NULL), PALP_OK);
+    for (int i = 1; i <= 4; i++)
+        ck_assert_int_eq(palp_network_step(net, 0.25 * i * strain * HEIGHT, INFINITY, NULL), PALP_OK);
+    const double force = palp_network_force(net);
+    palp_network_free(net);
+    palp_mesh_free(mesh);
+    return force;
+}
+
+/* A cube with that law is pressed as the neo-Hookean one of its modulus; with one stiffness it gets too soft.
+ */
+START_TEST(law_of_a_solid) {
+    static const double RATIO[] = {0.25, 0.35, 0.45, 0.49}, STRAIN[] = {0.001, 0.05, 0.1, 0.15, 0.2, 0.25};
+    const double ratio = RATIO[_i], young = 2.0 * (1.0 + ratio);
+    palp_mesh *mesh = solid_cube(4);
+    palp_law law, one;
+    double rest;
+    ck_assert_int_eq(palp_law_of_solid(mesh, ratio, young, &law), PALP_OK);
+    palp_law_stiffness(&law, 0.0, &rest, NULL);
+    ck_assert_double_eq_tol(rest, 2.5 * HEIGHT * HEIGHT, 1e-9 * rest);
+    ck_assert_int_eq(palp_law_polynomial(1, &rest, &one), PALP_OK);
+    for (size_t i = 0; i < sizeof STRAIN / sizeof *STRAIN; i++) {
+        const double off =
+            evenly_pressed(4, &law, ratio, STRAIN[i]) / neo_hookean(ratio, 1.0 - STRAIN[i]) - 1.0;
+        ck_assert_msg(fabs(off) < 0.005, "ratio %g, strain %g: off by %g", ratio, STRAIN[i], off);
+        if (STRAIN[i] == 0.1 || STRAIN[i] == 0.2)
+            ck_assert_double_lt(fabs(off), 1e-4);
+    }
+    ck_assert_double_lt(evenly_pressed(4, &one, ratio, 0.2), 0.93 * neo_hookean(ratio, 0.8));
+    ck_assert_int_eq(palp_law_of_solid(mesh, 0.2, young, &law), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_law_of_solid(mesh, 0.5, young, &law), PALP_ERR_ARGUMENT);
+    ck_assert_int_eq(palp_law_of_solid(mesh, ratio, 0.0, &law), PALP_ERR_ARGUMENT);
+    palp_mesh_free(mesh);
+}
+END_TEST
+
 void tests(TCase *tc) {
     tcase_add_test(tc, derivatives);
+    tcase_add_loop_test(tc, law_of_a_solid, 0, 4);
     tcase_add_test(tc, cells_fill_the_body);
     tcase_add_test(tc, modulus_follows_the_law);
     tcase_add_loop_test(tc, sheared_and_pressed, 0, 6);
