@@ -28,8 +28,13 @@ def inverse(m):
     return [[v / d for v in row] for row in c]
 
 
-def compliance(kx, ky):
-    """Normal displacement of the surface's nodes by normal forces on them, both a wave; the surface's normal is z."""
+def outer(a, b):
+    return [[complex(a[i]).conjugate() * b[j] for j in range(3)] for i in range(3)]
+
+
+def compliance(kx, ky, poisson=0.25):
+    """Normal displacement of the surface's nodes by normal forces on them, both a wave; the surface's normal is z. Above a ratio of
+    1/4 each cell resists the mean of its corners' change of volume (doc/numerics.md)."""
     zero = [[0.0] * 3 for _ in range(3)]
     surface, inside, down, up = zero, zero, zero, zero
     for d in itertools.product((-1, 0, 1), repeat=3):
@@ -47,6 +52,13 @@ def compliance(kx, ky):
             down = add(down, spring, -wave)
         else:
             up = add(up, spring, -wave)
+    if poisson > 0.25:
+        modulus = 0.4 * (4 * poisson - 1) / (1 - 2 * poisson)
+        sx, sy, cx, cy = math.sin(kx / 2), math.sin(ky / 2), math.cos(kx / 2), math.cos(ky / 2)
+        high, low = (1j * sx * cy, 1j * cx * sy, cx * cy), (1j * sx * cy, 1j * cx * sy, -cx * cy)
+        surface = add(surface, outer(high, high), modulus)
+        inside = add(add(inside, outer(high, high), modulus), outer(low, low), modulus)
+        down, up = add(down, outer(high, low), modulus), add(up, outer(low, high), modulus)
     for _ in range(60):  # every other layer is taken out
         g = inverse(inside)
         dg, ug = product(down, g), product(up, g)

@@ -77,12 +77,15 @@ void contact_face_measure(const palp_tool *tool, contact *c, const double *x, co
 /* The law's force at the depth u, or its first or second integral. */
 static double law_integral(const contact_law *law, int integrals, double u) {
     static const double ROOT[] = {1.0, 2.0 / 3.0, 4.0 / 15.0}, LINEAR[] = {1.0, 1.0 / 2.0, 1.0 / 6.0},
-                        STEEPER[] = {1.0, 2.0 / 5.0, 4.0 / 35.0};
+                        STEEPER[] = {1.0, 2.0 / 5.0, 4.0 / 35.0}, SQUARE[] = {1.0, 1.0 / 3.0, 1.0 / 12.0},
+                        STEEPEST[] = {1.0, 2.0 / 7.0, 4.0 / 63.0};
     if (!(u > 0.0))
         return 0.0;
-    const double root = sqrt(u), beyond = fmax(u - law->limit, 0.0);
-    double sum = ROOT[integrals] * law->root * root + LINEAR[integrals] * law->linear * u +
-                 STEEPER[integrals] * law->steep * u * root,
+    const double root = sqrt(u), beyond = fmax(u - law->limit, 0.0), more = law->stiffening;
+    double sum = ROOT[integrals] * law->root * root +
+                 u * (LINEAR[integrals] * law->linear +
+                      STEEPER[integrals] * (law->steep + more * law->root) * root +
+                      more * u * (SQUARE[integrals] * law->linear + STEEPEST[integrals] * law->steep * root)),
            hard = LINEAR[integrals] * law->hard * beyond;
     for (int i = 0; i < integrals; i++) {
         sum *= u;
@@ -175,14 +178,33 @@ void contact_face_times(const contact *c, const double *u, double *out) {
 static const double SOLID = 2.134 / 2.561;
 static const double FLAT = 16.0 / 15.0; /* 1 / (1 - nu^2), as central forces have it */
 
+static const double STRAIN = 0.1; /* to which a law's slope is its mean */
+static const double BEND = 0.1; /* slopes over which it begins to count: at a kink fits of laws would stop */
+
+double contact_stiffening(const palp_material *material, double modulus) {
+    double rest, strained;
+    palp_law_stiffness(&material->law, 0.0, &rest, NULL);
+    palp_law_stiffness(&material->law, STRAIN, &strained, NULL);
+    const double whole = material->quasi_linear ? rest : modulus; /* with arms that do not stiffen */
+    const double slope = whole > 0.0 ? fmax((strained - rest) / (STRAIN * whole), 0.0) : 0.0;
+    return slope * slope / (slope + BEND);
+}
+
 /* What a triangle's point of this stiffness E A / h, N/m, gives way below a sphere of this radius: what the
  * mesh of the spacing h lacks of Hertz's solid, to half the radius; beyond that it is hard, so that no tool
- * sinks in. even: 1 less the squares of the point's shares. Constants by data/contact/local_law.py. */
-static contact_law local_law(double stiffness, double radius, double spacing, double even, double hard) {
-    return (contact_law){.root = FLAT / acos(-1.0) * stiffness * spacing / sqrt(radius),
-                         .linear = (2.0 - 1.5 * even) * stiffness,
-                         .steep = (6.5 - 9.0 * even) * stiffness * sqrt(radius) / spacing,
-                         .hard = hard * stiffness * fmax(1.0, spacing * spacing / (radius * radius)),
+ * sinks in. even: 1 less the squares of the point's shares. solid: E by Poisson's ratio over that at 1/4. The
+ * cells' volume leaves the nodes as soft as springs do, so what takes the mesh's own part from the solid gets
+ * stiffer twice. Constants and that rule by data/contact/local_law.py. The tissue there gets stiffer with the
+ * strain u / h as elements do. */
+static contact_law local_law(const contact_set *set, double stiffness, double radius, double spacing,
+                             double even) {
+    const double root = set->solid * stiffness, mesh = set->solid * root;
+    return (contact_law){.root = FLAT / acos(-1.0) * root * spacing / sqrt(radius),
+                         .linear = (1.6 - 1.9 * even) * mesh,
+                         .steep = (6.5 - 7.2 * even) * mesh * sqrt(radius) / spacing,
+                         .stiffening = set->stiffening / spacing,
+                         .hard = set->settings.stiffness * root *
+                                 fmax(1.0, spacing * spacing / (radius * radius)),
                          .limit = 0.5 * radius};
 }
 
@@ -194,7 +216,6 @@ static double stiffness_of_law(const contact_law *law, double length) {
 
 void contact_face_law(const contact_set *set, const palp_tool *tool, double stiffness, double spacing,
                       contact *c) {
-    c->law = local_law(SOLID * set->solid * stiffness, tool->radius_m, spacing,
-                       1.0 - dot3(c->share, c->share), set->settings.stiffness);
+    c->law = local_law(set, SOLID * stiffness, tool->radius_m, spacing, 1.0 - dot3(c->share, c->share));
     c->stiffness = stiffness_of_law(&c->law, fmin(spacing, tool->radius_m));
 }

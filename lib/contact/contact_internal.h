@@ -11,10 +11,10 @@
 
 #include <math.h>
 
-/* How a point of the surface resists at the depth u in a tool: root sqrt(u) + linear u + steep u sqrt(u), and
- * beyond the limit, m, hard (u - limit) in addition, N. */
+/* How a point of the surface resists at the depth u in a tool, N: (root sqrt(u) + linear u + steep u sqrt(u))
+ * (1 + stiffening u), and beyond the limit, m, hard (u - limit) in addition. */
 typedef struct contact_law {
-    double root, linear, steep, hard, limit;
+    double root, linear, steep, stiffening, hard, limit;
 } contact_law;
 
 /* Error of where friction's spring starts, times the tissue's stiffness there, N: along its stretch if it
@@ -139,8 +139,9 @@ typedef struct contact_set {
     const double *local; /* of a smooth surface: [n_nodes] Young's modulus times a point's area, over spacing
                             and the stiffness of an element, 1/m; or NULL */
     double spacing;      /* of the mesh's own nodes on that surface, m */
-    double modulus; /* instantaneous stiffness of an element at rest, N; set by the caller before place */
-    double solid;   /* stiffness of the surface by Poisson's ratio, over that at 1/4 */
+    double modulus;    /* instantaneous stiffness of an element at rest, N; set by the caller before place */
+    double stiffening; /* contact_stiffening of the network's material; set by the caller before place */
+    double solid;      /* stiffness of the surface by Poisson's ratio, over that at 1/4 */
     contact_relaxation relaxation[PALP_REGIONS_MAX + 1]; /* of the step, for each material of the tissue; set
                                                             by the caller before place */
     const unsigned char *material; /* [n_nodes] that around each node, or NULL = all 0; the caller's */
@@ -299,6 +300,10 @@ void contact_face_times(const contact *c, const double *u, double *out);
 
 /* Elastic pressure at this depth, N, and its slope, N/m. */
 double contact_face_elastic(const contact_set *set, const contact *c, double depth, double *slope);
+
+/* By what part of modulus, N, a material's element gets stiffer for a strain of 1: its mean slope up to a
+ * tenth, less up to a tenth. 0 for one that softens. */
+double contact_stiffening(const palp_material *material, double modulus);
 
 /* Prepares forces and tangent for this slope of the pressure. */
 void contact_face_slopes(contact *c, double slope);

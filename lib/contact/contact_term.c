@@ -84,6 +84,7 @@ static void set_relaxation(contact_set *set, const palp_network *net) {
 static void begin_contact_step(network_term *term, palp_network *net) {
     contact_term *t = (contact_term *)term;
     t->set.modulus = net->modulus;
+    t->set.stiffening = contact_stiffening(&net->material, net->modulus);
     set_relaxation(&t->set, net);
     if (t->layer) {
         layer_place(t->layer, &t->set, 1.0, net->now.x, net->now.x);

@@ -65,6 +65,7 @@ static palp_status enable_tool_contacts(palp_reduced *r, reduced_contact *surfac
     palp_law_stiffness(&r->material.law, 0.0, &contacts->modulus, NULL);
     for (size_t j = 0; j < r->material.n_arms; j++)
         contacts->modulus += r->material.arms[j].stiffness_N;
+    contacts->stiffening = contact_stiffening(&r->material, contacts->modulus);
     return status;
 }
 

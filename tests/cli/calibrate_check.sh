@@ -16,24 +16,26 @@ presses() {
 }
 
 # A lattice scaled as a solid is one of its modulus K / A = 8.18 N / 576 mm2 and of Poisson's ratio 1/4. On a smooth surface the present contact is
-# right within 12 % at 7 nodes and within 20 % at 5 with spheres of 5 mm and more; 5 % at small depth, 10 % at all and 15 % at 5 nodes are the goal.
+# right within 6 % at 7 nodes and within 20 % at 5 with spheres of 5 mm and more; 5 % at small depth, 10 % at all and 15 % at 5 nodes are the goal.
 network 7 continuum 7.json
 expect 0 calibrate --check 7.json --subdivisions 2 --json
 mv out seven.json
 near "Poisson's ratio" "$(value seven.json poisson)" 0.25 0.002
 near "shear modulus" "$(value seven.json shear_Pa)" 5681 0.025
-presses seven.json 0.88 1.12 16
+presses seven.json 0.94 1.06 16
 network 5 continuum 5.json
 expect 0 calibrate --check 5.json --subdivisions 2 --tip-radius-mm 5,10 --json
-presses out 0.80 1.20 12
-# The default contact, local points, is softer at depth; at Poisson's ratio 0.45 a smooth surface is as near as at 0.25.
+presses out 0.80 1.02 12
+# The default contact, local points; at Poisson's ratio 0.45 a bonded plate feels a lattice 5 % too stiff, over which the forces are.
 expect 0 calibrate --check 7.json --json
-presses out 0.80 1.06 16
+presses out 0.92 1.06 16
+expect 0 calibrate --check 5.json --json
+presses out 0.91 1.03 16
 sed 's/}}$/}, "poisson_ratio": 0.45}/' 7.json >tissue.json
 expect 0 calibrate --check tissue.json --json
-presses out 0.80 1.00 16
+presses out 0.87 1.05 16
 expect 0 calibrate --check tissue.json --subdivisions 2 --json
-presses out 0.91 1.05 16
+presses out 0.92 1.05 16
 
 # A table in text has the same numbers.
 expect 0 calibrate --check 7.json --subdivisions 2
@@ -67,9 +69,12 @@ expect 0 simulate bad.json $press --tip-radius-mm 5 --depth-mm 1
 says "is off by up to 31 %"
 # What simulate records under a sphere is what the check found, and a run that is followed says which tip.
 grep -q '^# tip.kind: "sphere"' run.csv && grep -q '^# tip.radius_mm: 5' run.csv || fail "no tip in the run"
+# The check gives springs the law of a solid, which is 8.18 (1 + 2.518 e + 4.81 e^2) N here.
+sed 's/\[8.18\]/[8.18, 20.60, 39.34]/' 7.json >law.json
+expect 0 simulate law.json $press --tip-radius-mm 5 --depth-mm 1
 expect 0 calibrate --check 7.json --tip-radius-mm 5 --depth-mm 1 --json
 near "force of the run" "$(tail -n 1 run.csv | cut -d, -f3)" "$(awk -F': ' '/solid_N/ { s = $2 + 0 } /on_node/ { n = $2 + 0 } END { print s * n }' out)" 0.01
-expect 0 simulate good.json --like run.csv --out again.csv
+expect 0 simulate law.json --like run.csv --out again.csv
 near "force of a run like it" "$(tail -n 1 again.csv | cut -d, -f3)" "$(tail -n 1 run.csv | cut -d, -f3)" 0.01
 
 # What cannot be checked or pressed so.

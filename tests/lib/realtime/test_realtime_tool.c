@@ -211,7 +211,8 @@ START_TEST(far_in_one_tick) {
         drop(rt);
     }
     ck_assert_double_gt(force[1], 0.5);
-    ck_assert_double_eq_tol(force[0], force[1], 1e-6 * force[1]);
+    /* how much points beside a triangle count is found once in a tick */
+    ck_assert_double_eq_tol(force[0], force[1], 4e-4 * force[1]);
 }
 END_TEST
 
