@@ -101,9 +101,10 @@ typedef struct palp_contact_settings {
      * triangles, apart from those next to them. A node stays on its side of a triangle, wherever a step takes
      * it. Tissues that overlap at rest do not touch. max_tools may be 0. false */
     bool tissue;
-    double tissue_friction; /* Coulomb's coefficient of tissue on tissue; 0 */
-    size_t max_contacts;    /* points near tools at once, others are ignored; 0 = as many as possible */
-    double gravity_m_s2[3]; /* acts on the network's mass; 0 */
+    double tissue_stiffness; /* of that penalty on either side, in the units of stiffness; 5 */
+    double tissue_friction;  /* Coulomb's coefficient of tissue on tissue; 0 */
+    size_t max_contacts;     /* points near tools at once, others are ignored; 0 = as many as possible */
+    double gravity_m_s2[3];  /* acts on the network's mass; 0 */
 } palp_contact_settings;
 
 PALP_API palp_contact_settings palp_contact_settings_default(void);

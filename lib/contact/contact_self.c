@@ -586,6 +586,7 @@ network_term *contact_self_new(const palp_network *net, const palp_contact_setti
     const size_t n = net->n_nodes, triangles = net->n_surface,
                  tetrahedra = palp_mesh_tetrahedron_count(net->mesh);
     own.max_contacts = 1;
+    own.stiffness = settings->tissue_stiffness;
     own.local = false;
     contact_set_create(&t->set, memory, n, net->rest, triangles, net->surface, net->unit, net->extent, 1,
                        &own);

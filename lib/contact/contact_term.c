@@ -419,8 +419,11 @@ static palp_status reserve_tangent_pairs(palp_network *net, const network_term *
 /* ---- the public calls -------------------------------------------------------------------------- */
 
 palp_contact_settings palp_contact_settings_default(void) {
-    return (palp_contact_settings){
-        .stiffness = 20.0, .grasp_stiffness = 100.0, .smoothing = 0.01, .local = true};
+    return (palp_contact_settings){.stiffness = 20.0,
+                                   .grasp_stiffness = 100.0,
+                                   .tissue_stiffness = 5.0,
+                                   .smoothing = 0.01,
+                                   .local = true};
 }
 
 palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_t max_grasped,
@@ -431,9 +434,9 @@ palp_status palp_network_enable_tools(palp_network *net, size_t max_tools, size_
     own.local = own.local && own.subdivisions == 0;
     const palp_contact_settings *s = &own;
     bool weighs = dot3(s->gravity_m_s2, s->gravity_m_s2) > 0.0;
-    if (!positive(s->stiffness) || !positive(s->grasp_stiffness) || !positive(s->smoothing) ||
-        !(s->tissue_friction >= 0.0 && isfinite(s->tissue_friction)) || s->subdivisions > MOST_SUBDIVISIONS ||
-        !finite3(s->gravity_m_s2) || (weighs && !net->mass))
+    if (!positive(s->stiffness) || !positive(s->grasp_stiffness) || !positive(s->tissue_stiffness) ||
+        !positive(s->smoothing) || !(s->tissue_friction >= 0.0 && isfinite(s->tissue_friction)) ||
+        s->subdivisions > MOST_SUBDIVISIONS || !finite3(s->gravity_m_s2) || (weighs && !net->mass))
         return PALP_ERR_ARGUMENT;
     if ((max_tools > 0 || s->tissue) && net->n_surface == 0)
         return PALP_ERR_UNSUPPORTED;

@@ -70,7 +70,7 @@ START_TEST(two_cubes_are_a_column) {
     palp_network *two = pressed(two_cubes(5, 5, 0.0, 0.0, 0.0), _i == 0 ? 0.0 : 0.5);
     for (int i = 1; i <= 8; i++) {
         const double one = force_at(column, 5e-4 * i), other = force_at(two, 5e-4 * i);
-        ck_assert_double_eq_tol(other / one, 1.0, i == 1 ? 0.03 : 0.02);
+        ck_assert_double_eq_tol(other / one, 1.0, i == 1 ? 0.06 : 0.04);
     }
     palp_network_free(column);
     palp_network_free(two);
@@ -252,6 +252,30 @@ START_TEST(cubes_bounce_in_ticks) {
 }
 END_TEST
 
+/* A cube goes down on another and up again, twice, in ticks with three corrections, sideways too and with
+ * friction: forces are those of steps that are solved, and stay bounded while contacts come and go. */
+START_TEST(touch_and_part_in_ticks) {
+    const double middle = 1.5e-3, period = 500.0;
+    palp_mesh *mesh = two_cubes(5, 5, 5e-4, 0.3, 0.0);
+    palp_network *net = pressed(mesh, 0.3), *solved = pressed(two_cubes(5, 5, 5e-4, 0.3, 0.0), 0.3);
+    palp_realtime *rt = NULL;
+    const palp_realtime_settings settings = palp_realtime_settings_default();
+    const palp_budget budget = {.corrections = 3};
+    ck_assert_int_eq(palp_realtime_create(net, &settings, &rt), PALP_OK);
+    for (int i = 1; i <= 1000; i++) {
+        palp_tick_info info;
+        const double depth = middle * (1.0 - cos(6.283185307179586 * i / period));
+        ck_assert_int_eq(palp_realtime_step(rt, depth, 1e-3, &budget, &info), PALP_OK);
+        ck_assert_double_lt(fabs(info.force_N), 0.04);
+        if (i % 25 == 0)
+            ck_assert_double_eq_tol(info.force_N, force_at(solved, depth), 2e-3);
+    }
+    palp_realtime_free(rt);
+    palp_network_free(net);
+    palp_network_free(solved);
+}
+END_TEST
+
 /* The upper cube is led sideways: without friction the lower one feels no pull, with a little of it slips at
  * the limit, with much it is sheared along. */
 START_TEST(friction_between_tissues) {
@@ -357,6 +381,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, tangent_by_differences, 0, 2);
     tcase_add_test(tc, cubes_bounce);
     tcase_add_test(tc, cubes_bounce_in_ticks);
+    tcase_add_test(tc, touch_and_part_in_ticks);
     tcase_add_test(tc, friction_between_tissues);
     tcase_add_test(tc, lips_of_a_cut_close);
     tcase_add_test(tc, saved_state_goes_on);
