@@ -59,7 +59,8 @@ typedef struct palp_reduce_error {
  * network (reset) must be the one of the snapshots. With n_held_out > 0 the error is then measured on paths
  * held out, into error_held_out[n_held_out] (may be NULL), and bounds what the model says of itself. The
  * caller owns *reduced. ERR_UNSUPPORTED: mass, PALP_SEDEF2008, springs with a load history, a volume modulus
- * or Poisson's ratio; ERR_SINGULAR: a network that is a mechanism at rest. */
+ * or Poisson's ratio, ties, tissue that touches itself; ERR_SINGULAR: a network that is a mechanism at rest.
+ */
 PALP_API palp_status palp_reduced_create(palp_network *network, size_t n_paths,
                                          palp_snapshots *const *snapshots, size_t n_held_out,
                                          palp_snapshots *const *held_out,

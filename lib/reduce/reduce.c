@@ -272,6 +272,9 @@ static palp_status check_creation_arguments(const palp_network *net, size_t n_pa
         return palp_error_set(
             error, PALP_ERR_UNSUPPORTED,
             "a network whose tools touch a subdivided surface or local points cannot be reduced");
+    if (net->far.room > 0)
+        return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                              "a network with ties, or whose tissue touches itself, cannot be reduced");
     return PALP_OK;
 }
 

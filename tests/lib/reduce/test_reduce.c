@@ -236,7 +236,7 @@ END_TEST
 START_TEST(settings_are_checked) {
     palp_material m = quartic(1), sedef = sedef2008();
     palp_network *net = cube_network(3, &m, NULL), *other = cube_network(4, &m, NULL),
-                 *old = cube_network(3, &sedef, NULL);
+                 *old = cube_network(3, &sedef, NULL), *touched = cube_network(3, &m, NULL);
     palp_snapshots *path = press(net, 0.002, 0.01, 0.5);
     palp_reduce_settings good = palp_reduce_settings_default(), bad[4] = {good, good, good, good};
     palp_reduced *reduced = NULL;
@@ -254,7 +254,13 @@ START_TEST(settings_are_checked) {
                      PALP_ERR_ARGUMENT);
     ck_assert_int_eq(palp_reduced_create(old, 1, &path, 0, NULL, &good, &reduced, NULL, &error),
                      PALP_ERR_UNSUPPORTED);
-    palp_contact_settings smooth = palp_contact_settings_default();
+    palp_contact_settings smooth = palp_contact_settings_default(), touching = smooth;
+    touching.tissue = true;
+    touching.local = false;
+    ck_assert_int_eq(palp_network_enable_tools(touched, 1, 0, &touching), PALP_OK);
+    ck_assert_int_eq(palp_reduced_create(touched, 1, &path, 0, NULL, &good, &reduced, NULL, &error),
+                     PALP_ERR_UNSUPPORTED);
+    ck_assert_msg(strstr(error.text, "tissue touches itself"), "%s", error.text);
     smooth.subdivisions = 1;
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &smooth), PALP_OK);
     ck_assert_int_eq(palp_reduced_create(net, 1, &path, 0, NULL, &good, &reduced, NULL, &error),
@@ -269,6 +275,7 @@ START_TEST(settings_are_checked) {
     palp_network_free(net);
     palp_network_free(other);
     palp_network_free(old);
+    palp_network_free(touched);
 }
 END_TEST
 
