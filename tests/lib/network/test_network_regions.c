@@ -526,6 +526,36 @@ START_TEST(as_calculix_has_it) {
 }
 END_TEST
 
+/* A region that moves and stiffens is one of a network made so, the later region and the cells' volume too.
+ */
+START_TEST(a_region_that_moves) {
+    const palp_material m = spring_with_arm(6.0, 2.0, 1.0);
+    palp_region before[2] = {nodule(3.0), layer("layer", 0.9 * HEIGHT, HEIGHT)}, after[2];
+    before[1].stiffness = 5.0;
+    memcpy(after, before, sizeof after);
+    after[0].centre_m[1] = 0.8 * HEIGHT;
+    after[0].stiffness = 11.0;
+    palp_mesh *old = solid_cube(5), *new = solid_cube(5);
+    palp_network *moved = with_regions(old, &m, 0.4, 2, before), *made = with_regions(new, &m, 0.4, 2, after);
+    const double *part;
+    ck_assert_int_eq(palp_mesh_region(palp_network_mesh(made), "nodule", &part), PALP_OK);
+    ck_assert_int_eq(palp_network_step(moved, 1e-3, 0.1, NULL), PALP_OK);
+    ck_assert_int_eq(network_change_region(moved, 0, part, 11.0), PALP_OK);
+    for (size_t i = 0; i < made->n_elements; i++)
+        ck_assert_double_eq_tol(moved->scale[i], made->scale[i], 1e-14 * made->scale[i]);
+    for (int i = 1; i <= 2; i++) {
+        palp_step_info one, two;
+        ck_assert_int_eq(palp_network_step(moved, 1e-3 * i, 0.1, &one), PALP_OK);
+        ck_assert_int_eq(palp_network_step(made, 1e-3 * i, 0.1, &two), PALP_OK);
+        ck_assert_double_eq_tol(one.force_N, two.force_N, 1e-9 * two.force_N);
+    }
+    palp_mesh_free(old);
+    palp_mesh_free(new);
+    palp_network_free(moved);
+    palp_network_free(made);
+}
+END_TEST
+
 void tests(TCase *tc);
 void tests(TCase *tc) {
     tcase_add_test(tc, a_factor_is_a_material);
@@ -540,6 +570,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, cut_and_whole_again);
     tcase_add_test(tc, beyond_the_range_of_a_region);
     tcase_add_test(tc, membrane);
+    tcase_add_test(tc, a_region_that_moves);
     tcase_add_test(tc, what_is_refused);
     tcase_add_loop_test(tc, as_calculix_has_it, 0, 3);
 }
