@@ -14,6 +14,7 @@ version=$(sed -n 's/^.define PALP_VERSION "\(.*\)"/\1/p' $header)
 fail() { echo "$*"; exit 1; }
 
 grep -q "^## $version " CHANGELOG.md || fail "CHANGELOG.md has no heading for $version"
+sed q debian/changelog | grep -q "^palpate ($version[-)]" || fail "debian/changelog does not begin with $version"
 more=$(git grep -lF "$version" -- Makefile lib tools firmware include examples bench '*.scd' ':!'$header) || true
 [ -z "$more" ] || fail "the version stands in $more too"
 
