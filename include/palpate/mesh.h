@@ -40,15 +40,16 @@ PALP_API palp_status palp_mesh_lattice(const size_t nodes[3], const double size_
 PALP_API palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_elements,
                                       const int32_t *pairs, palp_mesh **mesh, palp_error *error);
 
-/* Reads a Gmsh 4.1 ASCII file: tetrahedra (type 4) and hexahedra (type 5). Their edges become elements, each
- * once; with hex_diagonals the face and space diagonals of hexahedra too. scale_m is the length of the
- * file's unit in metres (0.001 for millimetres). Named physical groups become node sets. If none is called
- * "bottom" or "top", these are the nodes within 1e-6 of the height from the lowest and the highest y. Nodes
- * that no tetrahedron or hexahedron uses are left out, and a group of such nodes makes no set. The other
- * nodes are numbered in the order of their tags. ERR_INPUT with "file:line: ..." for: anything malformed; a
- * missing or repeated node; a node twice in an element; an element given twice or of zero length; a flat
- * tetrahedron; more than one connected part; volume elements of other types; a partitioned or binary file;
- * another version. */
+/* Reads a Gmsh 2.2 or 4.1 ASCII file: tetrahedra (type 4) and hexahedra (type 5). Both versions of a mesh
+ * give the same: in 2.2 a cell may be given once for each of its groups. Edges become elements, each once;
+ * with hex_diagonals the face and space diagonals of hexahedra too. scale_m is the length of the file's unit
+ * in metres (0.001 for millimetres). Named physical groups become node sets. If none is called "bottom" or
+ * "top", these are the nodes within 1e-6 of the height from the lowest and the highest y. Nodes that no
+ * tetrahedron or hexahedron uses are left out, and a group of such nodes makes no set. The other nodes are
+ * numbered in the order of their tags. ERR_INPUT with "file:line: ..." for: anything malformed; a missing or
+ * repeated node; a node twice in an element; an element given twice or of zero length; a flat tetrahedron;
+ * more than one connected part; volume elements of other types; a partitioned or binary file; another
+ * version. */
 PALP_API palp_status palp_mesh_read_gmsh(const char *path, double scale_m, bool hex_diagonals,
                                          palp_mesh **mesh, palp_error *error);
 

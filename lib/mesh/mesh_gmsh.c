@@ -82,32 +82,91 @@ static palp_status append_pairs_of_all_cells(const gmsh_file *r, bool diagonals,
     return PALP_OK;
 }
 
-/* Orders cells by their nodes, then by line. */
+/* Orders cells by their nodes, then by physical tag, then by line. */
 static int compare_cells_by_nodes(const void *left, const void *right) {
     const gmsh_cell *a = left, *b = right;
     for (int i = 0; i < GMSH_CELL_NODES; i++)
         if (a->node[i] != b->node[i])
             return a->node[i] < b->node[i] ? -1 : 1;
+    if (a->physical != b->physical)
+        return a->physical < b->physical ? -1 : 1;
     return (a->line > b->line) - (a->line < b->line);
 }
 
-static palp_status refuse_repeated_cells(const gmsh_file *r) {
+static bool have_cells_same_nodes(const gmsh_cell *a, const gmsh_cell *b) {
+    return memcmp(a->node, b->node, sizeof a->node) == 0;
+}
+
+/* A copy of the cells in this order, the nodes of each ascending. The caller frees it; NULL: no memory. */
+static gmsh_cell *copy_cells_sorted_by_nodes(const gmsh_file *r) {
     gmsh_cell *sorted = malloc(r->cells.n * sizeof *sorted);
     if (!sorted)
-        return gmsh_no_memory(r);
+        return NULL;
     memcpy(sorted, r->cells.items, r->cells.n * sizeof *sorted);
     for (size_t c = 0; c < r->cells.n; c++) {
         for (int i = sorted[c].n; i < GMSH_CELL_NODES; i++)
             sorted[c].node[i] = INT32_MAX;
         qsort(sorted[c].node, GMSH_CELL_NODES, sizeof *sorted[c].node, mesh_compare_nodes);
+        sorted[c].index = c;
     }
     qsort(sorted, r->cells.n, sizeof *sorted, compare_cells_by_nodes);
+    return sorted;
+}
+
+static palp_status refuse_repeated_cells(const gmsh_file *r) {
+    gmsh_cell *sorted = copy_cells_sorted_by_nodes(r);
+    if (!sorted)
+        return gmsh_no_memory(r);
     palp_status status = PALP_OK;
     for (size_t c = 1; c < r->cells.n && !status; c++)
-        if (memcmp(sorted[c].node, sorted[c - 1].node, sizeof sorted[c].node) == 0)
+        if (have_cells_same_nodes(&sorted[c], &sorted[c - 1]))
             status = gmsh_fail(r, sorted[c].line, "an element with the same nodes as that of line %zu",
                                sorted[c - 1].line);
     free(sorted);
+    return status;
+}
+
+/* Of the cells with the nodes of the first, those in different groups go into the one that is first in the
+ * file: into[index]. Returns the number of cells with these nodes. */
+static size_t join_cells_with_same_nodes(const gmsh_cell *sorted, size_t n_left, size_t *into) {
+    size_t n = 0, lowest = sorted[0].index;
+    for (; n < n_left && have_cells_same_nodes(&sorted[n], &sorted[0]); n++)
+        lowest = sorted[n].index < lowest ? sorted[n].index : lowest;
+    for (size_t i = 0; i < n; i++) {
+        bool repeated = i > 0 && sorted[i].physical == sorted[i - 1].physical;
+        into[sorted[i].index] = repeated || sorted[0].physical == 0 ? sorted[i].index : lowest;
+    }
+    return n;
+}
+
+/* Removes the cells that go into another one, which is in front of them, and renumbers those of volumes. */
+static void remove_joined_cells(gmsh_file *r, size_t *into) {
+    gmsh_cell *cells = r->cells.items;
+    gmsh_volume *volumes = r->volumes.items;
+    size_t kept = 0;
+    for (size_t c = 0; c < r->cells.n; c++)
+        if (into[c] == c) {
+            cells[kept] = cells[c];
+            into[c] = kept++;
+        } else {
+            into[c] = into[into[c]];
+        }
+    for (size_t v = 0; v < r->volumes.n; v++)
+        volumes[v].cell = into[volumes[v].cell];
+    r->cells.n = kept;
+}
+
+/* Version 2.2 has a cell once for each of its groups: makes one cell of these. */
+static palp_status join_cells_of_several_groups(gmsh_file *r) {
+    gmsh_cell *sorted = copy_cells_sorted_by_nodes(r);
+    size_t *into = malloc(r->cells.n * sizeof *into);
+    palp_status status = sorted && into ? PALP_OK : gmsh_no_memory(r);
+    for (size_t c = 0; c < r->cells.n && !status;)
+        c += join_cells_with_same_nodes(sorted + c, r->cells.n - c, into);
+    if (!status)
+        remove_joined_cells(r, into);
+    free(sorted);
+    free(into);
     return status;
 }
 
@@ -245,6 +304,8 @@ static palp_status build_mesh_from_gmsh(gmsh_file *r, bool diagonals, palp_mesh 
     if (r->cells.n == 0)
         return gmsh_fail(r, r->elements_line,
                          "there are no 4-node tetrahedra (type 4) or 8-node hexahedra (type 5)");
+    if (r->version == GMSH_2_2 && join_cells_of_several_groups(r))
+        return PALP_ERR_NO_MEMORY;
     size_t n_nodes = number_nodes_of_cells(r);
     if (mesh_new(n_nodes, count_pairs_of_cells(r, diagonals), &m))
         return gmsh_no_memory(r);

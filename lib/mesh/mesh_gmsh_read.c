@@ -1,4 +1,4 @@
-/* mesh_gmsh_read.c: the sections of a Gmsh MSH 4.1 ASCII file, line by line. */
+/* mesh_gmsh_read.c: the sections of a Gmsh ASCII file, line by line, with the entities and blocks of 4.1. */
 #include "mesh_gmsh.h"
 
 #include <limits.h>
@@ -16,12 +16,15 @@ static palp_status read_mesh_format(gmsh_file *r) {
         status = gmsh_number(r, "a format version", &version);
     if (status)
         return status;
-    if (fabs(version - 4.1) > 1e-9)
-        return gmsh_fail(r, r->line, "MSH version %g is not supported; save the mesh as version 4.1 ASCII",
+    r->version = fabs(version - 2.2) > 1e-9 ? GMSH_4_1 : GMSH_2_2;
+    if (r->version == GMSH_4_1 && fabs(version - 4.1) > 1e-9)
+        return gmsh_fail(r, r->line,
+                         "MSH version %g is not supported; save the mesh as version 2.2 or 4.1 ASCII",
                          version);
     status = gmsh_integer(r, "a file type (0 = ASCII)", 0, 1, &binary);
     if (!status && binary)
-        return gmsh_fail(r, r->line, "binary files are not supported; save the mesh as version 4.1 ASCII");
+        return gmsh_fail(r, r->line,
+                         "binary files are not supported; save the mesh as version 2.2 or 4.1 ASCII");
     return status;
 }
 
@@ -120,28 +123,16 @@ static palp_status read_block_header(gmsh_file *r, gmsh_entity *of, const char *
 }
 
 static palp_status read_node_tag_line(gmsh_file *r) {
-    long long tag = 0;
-    void *item = NULL;
     palp_status status = gmsh_line(r);
     if (!status)
-        status = gmsh_integer(r, "a node tag", 1, LLONG_MAX, &tag);
-    if (!status)
-        status = gmsh_line_end(r);
-    if (!status)
-        status = gmsh_append(r, &r->nodes, sizeof(gmsh_node), &item);
-    if (!status)
-        *(gmsh_node *)item = (gmsh_node){tag, {0.0, 0.0, 0.0}, r->line, -1};
-    return status;
+        status = gmsh_read_node_tag(r);
+    return status ? status : gmsh_line_end(r);
 }
 
-static palp_status read_node_place(gmsh_file *r, bool parametric, gmsh_node *n) {
+static palp_status read_node_place_line(gmsh_file *r, bool parametric, gmsh_node *n) {
     palp_status status = gmsh_line(r);
-    for (int axis = 0; axis < 3 && !status; axis++) {
-        status = gmsh_number(r, "a coordinate", &n->x_m[axis]);
-        n->x_m[axis] *= r->scale_m;
-        if (!status && !isfinite(n->x_m[axis]))
-            status = gmsh_fail(r, r->line, "a coordinate is out of range");
-    }
+    if (!status)
+        status = gmsh_read_node_place(r, n);
     return status || parametric ? status : gmsh_line_end(r);
 }
 
@@ -155,27 +146,8 @@ static palp_status read_node_block(gmsh_file *r, size_t total) {
     for (size_t i = 0; i < count && !status; i++)
         status = read_node_tag_line(r);
     for (size_t i = 0; i < count && !status; i++)
-        status = read_node_place(r, parametric != 0, (gmsh_node *)r->nodes.items + first + i);
+        status = read_node_place_line(r, parametric != 0, (gmsh_node *)r->nodes.items + first + i);
     return status;
-}
-
-static int compare_node_tags(const void *left, const void *right) {
-    const gmsh_node *a = left, *b = right;
-    if (a->tag != b->tag)
-        return a->tag < b->tag ? -1 : 1;
-    return (a->line > b->line) - (a->line < b->line);
-}
-
-/* Sorts the nodes by tag: tags are found by bisection, and numbering does not depend on blocks. */
-static palp_status sort_nodes_by_tag(gmsh_file *r) {
-    gmsh_node *nodes = r->nodes.items;
-    const gmsh_node *again = NULL;
-    if (r->nodes.n > 0)
-        qsort(nodes, r->nodes.n, sizeof *nodes, compare_node_tags);
-    for (size_t i = 1; i < r->nodes.n; i++)
-        if (nodes[i].tag == nodes[i - 1].tag && (!again || nodes[i].line < again->line))
-            again = &nodes[i];
-    return again ? gmsh_fail(r, again->line, "node tag %lld is given a second time", again->tag) : PALP_OK;
 }
 
 static palp_status read_nodes_section(gmsh_file *r) {
@@ -185,116 +157,26 @@ static palp_status read_nodes_section(gmsh_file *r) {
         status = read_node_block(r, total);
     if (!status && r->nodes.n < total)
         return gmsh_fail(r, r->line, "%zu nodes, but $Nodes announces %zu", r->nodes.n, total);
-    return status ? status : sort_nodes_by_tag(r);
-}
-
-/* Number of nodes of the element types that are read, 0 for others. Volumes are tetrahedra and hexahedra of
- * first order. Points, lines and faces, which only define groups, have all common types. */
-static int node_count_of_type(long long type) {
-    static const signed char nodes[] = {
-        [1] = 2,   [2] = 3,   [3] = 4,  [4] = 4,  [5] = 8,   [8] = 3,   [9] = 6,
-        [10] = 9,  [15] = 1,  [16] = 8, [20] = 9, [21] = 10, [22] = 12, [23] = 15,
-        [24] = 15, [25] = 21, [26] = 4, [27] = 5, [28] = 6};
-    return type < (long long)sizeof nodes ? nodes[type] : 0;
-}
-
-enum { TYPE_NODES_MAX = 21 };
-
-/* The first group of the same name: one node set for all dimensions. */
-static size_t find_group_of_same_name(const gmsh_file *r, const char *name) {
-    const gmsh_group *groups = r->groups.items;
-    size_t i = 0;
-    while (strcmp(groups[i].name, name) != 0)
-        i++;
-    return i;
+    return status ? status : gmsh_sort_nodes_by_tag(r);
 }
 
 /* Lists the named groups of an entity in block_groups. */
 static palp_status find_groups_of_entity(gmsh_file *r, const gmsh_entity *of) {
-    const gmsh_group *groups = r->groups.items;
     const gmsh_entity *entities = r->entities.items;
     palp_status status = PALP_OK;
     r->block_groups.n = 0;
-    for (size_t e = 0; e < r->entities.n; e++)
-        for (size_t g = 0; g < r->groups.n && !status; g++) {
-            void *item = NULL;
-            if (entities[e].dim != of->dim || entities[e].tag != of->tag || groups[g].dim != of->dim ||
-                groups[g].tag != entities[e].physical)
-                continue;
-            status = gmsh_append(r, &r->block_groups, sizeof(size_t), &item);
-            if (!status)
-                *(size_t *)item = find_group_of_same_name(r, groups[g].name);
-        }
+    for (size_t e = 0; e < r->entities.n && !status; e++)
+        if (entities[e].dim == of->dim && entities[e].tag == of->tag)
+            status = gmsh_add_groups_of_tag(r, of->dim, entities[e].physical);
     return status;
 }
 
-static palp_status read_element_node(gmsh_file *r, int32_t *place) {
-    const gmsh_node *nodes = r->nodes.items;
-    long long tag = 0;
-    palp_status status = gmsh_integer(r, "a node tag", 1, LLONG_MAX, &tag);
-    if (status)
-        return status;
-    size_t low = 0, high = r->nodes.n;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (nodes[middle].tag < tag)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    if (low == r->nodes.n || nodes[low].tag != tag)
-        return gmsh_fail(r, r->line, "there is no node %lld", tag);
-    *place = (int32_t)low;
-    return PALP_OK;
-}
-
-static palp_status check_repeated_nodes(const gmsh_file *r, int n, const int32_t *place) {
-    const gmsh_node *nodes = r->nodes.items;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < i; j++)
-            if (place[i] == place[j])
-                return gmsh_fail(r, r->line, "an element has node %lld twice", nodes[place[i]].tag);
-    return PALP_OK;
-}
-
-/* Keeps an element: a cell as such and as one of the block's groups, its nodes as members of these. */
-static palp_status store_element_and_members(gmsh_file *r, bool is_cell, int n, const int32_t *place) {
-    void *item = NULL;
-    palp_status status = PALP_OK;
-    if (is_cell)
-        status = gmsh_append(r, &r->cells, sizeof(gmsh_cell), &item);
-    if (is_cell && !status) {
-        gmsh_cell *cell = item;
-        *cell = (gmsh_cell){{0}, n, r->line};
-        memcpy(cell->node, place, (size_t)n * sizeof *place);
-    }
-    for (size_t g = 0; g < r->block_groups.n && is_cell && !status; g++) {
-        status = gmsh_append(r, &r->volumes, sizeof(gmsh_volume), &item);
-        if (!status)
-            *(gmsh_volume *)item = (gmsh_volume){((size_t *)r->block_groups.items)[g], r->cells.n - 1};
-    }
-    for (size_t g = 0; g < r->block_groups.n; g++)
-        for (int i = 0; i < n && !status; i++) {
-            status = gmsh_append(r, &r->members, sizeof(gmsh_member), &item);
-            if (!status)
-                *(gmsh_member *)item = (gmsh_member){((size_t *)r->block_groups.items)[g], place[i]};
-        }
-    return status;
-}
-
-static palp_status read_element_line(gmsh_file *r, bool is_cell, int n) {
+static palp_status read_element_line(gmsh_file *r, long long type) {
     long long tag;
-    int32_t place[TYPE_NODES_MAX];
     palp_status status = gmsh_line(r);
     if (!status)
         status = gmsh_integer(r, "an element tag", 0, LLONG_MAX, &tag);
-    for (int i = 0; i < n && !status; i++)
-        status = read_element_node(r, &place[i]);
-    if (!status)
-        status = gmsh_line_end(r);
-    if (!status)
-        status = check_repeated_nodes(r, n, place);
-    return status ? status : store_element_and_members(r, is_cell, n, place);
+    return status ? status : gmsh_read_element_nodes(r, type, 0);
 }
 
 static palp_status read_element_block(gmsh_file *r, size_t *left) {
@@ -302,20 +184,16 @@ static palp_status read_element_block(gmsh_file *r, size_t *left) {
     long long type = 0;
     size_t count = 0;
     palp_status status = read_block_header(r, &of, "an element type", INT32_MAX, &type, &count);
+    if (!status)
+        status = gmsh_check_element_type(r, type);
     if (status)
         return status;
-    int n = node_count_of_type(type);
-    if (n == 0)
-        return gmsh_fail(r, r->line,
-                         "elements of type %lld are not supported; mesh the volume with 4-node tetrahedra "
-                         "(type 4) or 8-node hexahedra (type 5)",
-                         type);
     if (count > *left)
         return gmsh_fail(r, r->line, "more elements than $Elements announces");
     *left -= count;
     status = find_groups_of_entity(r, &of);
     for (size_t i = 0; i < count && !status; i++)
-        status = read_element_line(r, type == 4 || type == 5, n);
+        status = read_element_line(r, type);
     return status;
 }
 
@@ -330,21 +208,22 @@ static palp_status read_elements_section(gmsh_file *r) {
     return status;
 }
 
-static palp_status refuse_partitions(gmsh_file *r) {
-    return gmsh_fail(r, r->line, "partitioned meshes are not supported; save it in one part");
-}
+/* ---- the sections of a file ---------------------------------------------------------------------- */
 
 typedef struct section {
     const char *name;
-    palp_status (*read)(gmsh_file *r);
+    palp_status (*read[2])(gmsh_file *r); /* by version, NULL where it has no such section */
 } section;
 
 enum { FORMAT, GROUPS, ENTITIES, PARTITIONS, NODES, ELEMENTS, SECTIONS };
 
 static const section sections[SECTIONS] = {
-    {"$MeshFormat", read_mesh_format},      {"$PhysicalNames", read_physical_names},
-    {"$Entities", read_geometric_entities}, {"$PartitionedEntities", refuse_partitions},
-    {"$Nodes", read_nodes_section},         {"$Elements", read_elements_section},
+    {"$MeshFormat", {read_mesh_format, read_mesh_format}},
+    {"$PhysicalNames", {read_physical_names, read_physical_names}},
+    {"$Entities", {read_geometric_entities, NULL}},
+    {"$PartitionedEntities", {gmsh_refuse_partitions, NULL}},
+    {"$Nodes", {read_nodes_section, gmsh_read_node_lines}},
+    {"$Elements", {read_elements_section, gmsh_read_element_lines}},
 };
 
 static bool is_section_end_line(const gmsh_file *r) {
@@ -380,12 +259,12 @@ static palp_status read_one_section(gmsh_file *r) {
     strcpy(r->section, r->at);
     while (i < SECTIONS && strcmp(sections[i].name, r->section) != 0)
         i++;
-    if (i == SECTIONS)
+    if (i == SECTIONS || !sections[i].read[r->version])
         return read_section_end(r, false);
     palp_status status = check_section_order(r, i);
     r->seen |= 1u << i;
     if (!status)
-        status = sections[i].read(r);
+        status = sections[i].read[r->version](r);
     return status ? status : read_section_end(r, true);
 }
 

@@ -124,6 +124,13 @@ static palp_status gmsh(palp_error *error) {
     return status;
 }
 
+static palp_status gmsh_version_2(palp_error *error) {
+    palp_mesh *mesh = NULL;
+    palp_status status = palp_mesh_read_gmsh("tests/data/mesh/good_groups_2.msh", 1e-3, true, &mesh, error);
+    palp_mesh_free(mesh);
+    return status;
+}
+
 static palp_status scaled_mesh(palp_error *error) {
     palp_mesh *mesh = NULL;
     palp_network *network = NULL;
@@ -155,6 +162,7 @@ START_TEST(meshes) {
     each_fails(lattice, 10, NULL);
     each_fails(triangle, 3, NULL);
     each_fails(gmsh, 10, NULL);
+    each_fails(gmsh_version_2, 12, NULL);
     each_fails(scaled_mesh, 20, NULL);
     each_fails(mesh_of_model, 5, NULL);
 }

@@ -19,7 +19,7 @@ static size_t network_options(calibrate_options *o, cli_option *to) {
         cli_numbers("size-mm", "MM[,MM,MM]", 1e4, &o->size_mm,
                     "size of the lattice, mm (default: the specimen's height)"),
         cli_in("mesh", "FILE.msh", &o->mesh,
-               "instead of --nodes: a Gmsh 4.1 file of tetrahedra or hexahedra"),
+               "instead of --nodes: a Gmsh 2.2 or 4.1 file of tetrahedra or hexahedra"),
         cli_positive("scale-mm", "MM", 1e6, &o->scale_mm, "unit of length of the mesh file, mm (default 1)"),
         cli_flag("hex-diagonals", &o->hex_diagonals,
                  "also put elements on the diagonals of the file's hexahedra; without\n"

@@ -137,7 +137,7 @@ static const struct {
     int line;
     const char *text;
 } bad_files[] = {
-    {"bad_version", 2, "MSH version 2.2 is not supported"},
+    {"bad_version", 2, "MSH version 4 is not supported; save the mesh as version 2.2 or 4.1 ASCII"},
     {"bad_binary", 2, "binary files are not supported"},
     {"bad_no_format", 1, "$MeshFormat is expected before $Nodes"},
     {"bad_not_gmsh", 1, "not 'solid thing'"},
@@ -241,10 +241,13 @@ static bool read_damaged(const char *path, size_t lines) {
     return false;
 }
 
+/* The same mesh in both versions. */
+static const char *const tetra_files[] = {DATA "good_tetra.msh", DATA "good_tetra_2.msh"};
+
 /* Cut after any byte: a mesh only from where a section has just ended, behind $Elements. */
 START_TEST(gmsh_every_truncation_is_an_error_or_a_mesh) {
     size_t n = 0, lines = 1, meshes = 0;
-    char *bytes = read_bytes(DATA "good_tetra.msh", &n);
+    char *bytes = read_bytes(tetra_files[_i], &n);
     const char *path = scratch_path(), *elements = strstr(bytes, "$EndElements");
     const char *data = strstr(bytes, "$NodeData"), *end = strstr(bytes, "$EndNodeData");
     for (size_t cut = 0; cut <= n; cut++) {
@@ -265,7 +268,7 @@ END_TEST
 START_TEST(gmsh_every_overwritten_byte_is_an_error_or_a_mesh) {
     static const char with[] = {'\0', '9', '-', '$', '\n', '"', 'e', ' '};
     size_t n = 0, failed = 0;
-    char *bytes = read_bytes(DATA "good_tetra.msh", &n);
+    char *bytes = read_bytes(tetra_files[_i / 8], &n);
     const char *path = scratch_path();
     for (size_t at = 0; at < n; at++) {
         char kept = bytes[at];
@@ -300,6 +303,135 @@ START_TEST(gmsh_windows_line_ends_are_read) {
 }
 END_TEST
 
+/* ---- version 2.2 --------------------------------------------------------------------------------- */
+
+static void check_equal_groups(const palp_mesh *a, const palp_mesh *b) {
+    ck_assert_uint_eq(a->n_sets, b->n_sets);
+    for (size_t s = 0; s < a->n_sets; s++) {
+        ck_assert_str_eq(a->sets[s].name, b->sets[s].name);
+        check_set(a, a->sets[s].name, b->sets[s].n, b->sets[s].nodes);
+    }
+    ck_assert_uint_eq(a->n_regions, b->n_regions);
+    for (size_t i = 0; i < a->n_regions; i++) {
+        ck_assert_str_eq(a->regions[i].name, b->regions[i].name);
+        ck_assert_mem_eq(a->regions[i].part, b->regions[i].part, a->n_tetrahedra * sizeof(double));
+    }
+}
+
+static void check_equal_meshes(const palp_mesh *a, const palp_mesh *b) {
+    ck_assert_uint_eq(a->n_nodes, b->n_nodes);
+    ck_assert_uint_eq(a->n_elements, b->n_elements);
+    ck_assert_uint_eq(a->n_tetrahedra, b->n_tetrahedra);
+    ck_assert_uint_eq(a->n_triangles, b->n_triangles);
+    ck_assert_uint_eq(a->n_hexahedra, b->n_hexahedra);
+    ck_assert_mem_eq(a->x_m, b->x_m, 3 * a->n_nodes * sizeof *a->x_m);
+    ck_assert_mem_eq(a->pairs, b->pairs, 2 * a->n_elements * sizeof *a->pairs);
+    ck_assert_mem_eq(a->tetrahedra, b->tetrahedra, 4 * a->n_tetrahedra * sizeof *a->tetrahedra);
+    ck_assert_mem_eq(a->triangles, b->triangles, 3 * a->n_triangles * sizeof *a->triangles);
+    if (a->n_hexahedra > 0)
+        ck_assert_mem_eq(a->hexahedra, b->hexahedra, 8 * a->n_hexahedra * sizeof *a->hexahedra);
+    check_equal_groups(a, b);
+}
+
+/* Gmsh 4.15 wrote good_groups in both: eight hexahedra in two groups each, in version 2.2 on two lines each.
+ */
+START_TEST(gmsh_versions_give_the_same_mesh) {
+    palp_mesh *new = read_good(_i / 2 ? DATA "good_groups.msh" : tetra_files[0], _i % 2);
+    palp_mesh *old = read_good(_i / 2 ? DATA "good_groups_2.msh" : tetra_files[1], _i % 2);
+    check_equal_meshes(new, old);
+    ck_assert_uint_eq(old->n_hexahedra, _i / 2 ? 8 : 0);
+    ck_assert_uint_eq(old->n_regions, _i / 2 ? 2 : 1);
+    palp_mesh_free(new);
+    palp_mesh_free(old);
+}
+END_TEST
+
+/* Writes good_tetra_2.msh to the scratch file, the first place of one text changed to another. */
+static void write_changed(const char *from, const char *to) {
+    size_t n = 0;
+    char *bytes = read_bytes(tetra_files[1], &n), *at = strstr(bytes, from);
+    char *changed = malloc(n + strlen(to) + 1);
+    ck_assert_ptr_nonnull(changed);
+    ck_assert_msg(at, "%s", from);
+    snprintf(changed, n + strlen(to) + 1, "%.*s%s%s", (int)(at - bytes), bytes, to, at + strlen(from));
+    write_bytes(scratch_path(), changed, strlen(changed));
+    free(bytes);
+    free(changed);
+}
+
+START_TEST(gmsh_version_2_element_without_a_group) {
+    const double *part = NULL;
+    write_changed("4 4 2 1 1 10", _i ? "4 4 0 10" : "4 4 2 0 1 10");
+    palp_mesh *mesh = read_good(scratch_path(), false);
+    ck_assert_uint_eq(mesh->n_tetrahedra, 2);
+    ck_assert_int_eq(palp_mesh_region(mesh, "tissue", &part), PALP_OK);
+    ck_assert(part[0] == 1.0 && part[1] == 0.0);
+    palp_mesh_free(mesh);
+    remove(scratch_path());
+}
+END_TEST
+
+#define NODES                                                                                                \
+    "$Nodes\n7\n700 0 0 1\n10 0 0 0\n42 0 1 0\n99 5 5 5\n98 6 6 6\n3 1 0 0\n5 1e0 -1.0E+00 +1.\n$EndNodes\n"
+#define ELEMENTS                                                                                             \
+    "$Elements\n5\n1 15 2 7 4 42\n1 1 3 9 6 0 99 98\n900 2 2 -1 2 10 3 700\n"                                \
+    "5 4 2 1 1 10 3 700 42\n4 4 2 1 1 10 3 700 5\n$EndElements\n"
+
+/* a text of good_tetra_2.msh, what takes its place, the line to blame, what the message holds */
+static const struct {
+    const char *from, *to;
+    int line;
+    const char *text;
+} bad_changes[] = {
+    {"2.2 0 8", "2.1 0 8", 5, "MSH version 2.1 is not supported; save the mesh as version 2.2 or 4.1 ASCII"},
+    {"2.2 0 8", "3 0 8", 5, "MSH version 3 is not supported"},
+    {"2.2 0 8", "2.2 1 8", 5, "binary files are not supported; save the mesh as version 2.2 or 4.1 ASCII"},
+    {"2.2 0 8", "4.1 0 8", 15, "the line ends where a total number is expected"},
+    {"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "", 4, "$MeshFormat is expected before $PhysicalNames"},
+    {"$Nodes\n7\n", "$Nodes\n7 1\n", 15, "the end of the line is expected, not '1'"},
+    {"$Nodes\n7\n", "$Nodes\n8\n", 23, "7 nodes, but $Nodes announces 8"},
+    {"$Nodes\n7\n", "$Nodes\n6\n", 22, "$EndNodes is expected, not '5 1e0"},
+    {"$Nodes\n7\n", "$Nodes\n-7\n", 15, "a total number of -7 is out of range"},
+    {"$EndNodes\n", "$EndNodes\n$Nodes\n0\n$EndNodes\n", 24, "$Nodes is given a second time"},
+    {"42 0 1 0", "700 0 1 0", 18, "node tag 700 is given a second time"},
+    {"42 0 1 0", "0 0 1 0", 18, "a node tag of 0 is out of range"},
+    {"42 0 1 0", "42 0 1", 18, "the line ends where a coordinate is expected"},
+    {"42 0 1 0", "42 0 1 0 1", 18, "the end of the line is expected, not '1'"},
+    {"42 0 1 0", "42 0 inf 0", 18, "a coordinate is"},
+    {"42 0 1 0", "42 0 0 0", 29, "an element of zero length: nodes 10 and 42 are at the same place"},
+    {"42 0 1 0", "42 0.5 0 0.5", 29, "a flat tetrahedron"},
+    {"$Elements\n5\n", "$Elements\n6\n", 31, "5 elements, but $Elements announces 6"},
+    {"$Elements\n5\n", "$Elements\n4\n", 30, "$EndElements is expected, not '4 4 2 1 1"},
+    {"$Elements\n5\n", "$Elements\nfive\n", 25, "a total number is expected, not 'five'"},
+    {"5 4 2 1 1 10 3", "5 6 2 1 1 10 3", 29, "elements of type 6 are not supported"},
+    {"5 4 2 1 1 10 3", "5 4 9 1 1 0 10 3", 29, "the line ends where a tag is expected"},
+    {"5 4 2 1 1 10 3", "5 4 1 x 10 3", 29, "a physical tag is expected, not 'x'"},
+    {"5 4 2 1 1 10 3", "5 4 4 1 1 1 3 10 3", 29, "partitioned meshes are not supported"},
+    {"5 4 2 1 1 10 3", "5 4 2 1 1 10 10", 29, "an element has node 10 twice"},
+    {"5 4 2 1 1 10 3", "5 4 2 1 1 10 4", 29, "there is no node 4"},
+    {"700 42\n", "700\n", 29, "the line ends where a node tag is expected"},
+    {"700 42\n", "700 42 5\n", 29, "the end of the line is expected, not '5'"},
+    {"3 700 5\n", "42 700 3\n", 30, "an element with the same nodes as that of line 29"},
+    {"5 4 2 1 1 10 3 700 42\n4 4 2 1 1 10 3 700 5\n", "5 2 2 1 1 10 3 42\n4 15 0 10\n", 24,
+     "there are no 4-node tetrahedra"},
+    {NODES, "", 14, "$Nodes is expected before $Elements"},
+    {ELEMENTS, "", 28, "the file ends without $Elements"},
+};
+
+START_TEST(gmsh_bad_changes_of_version_2_say_where) {
+    char prefix[600];
+    palp_error error = {PALP_OK, ""};
+    palp_mesh *mesh = NULL;
+    write_changed(bad_changes[_i].from, bad_changes[_i].to);
+    snprintf(prefix, sizeof prefix, "%s:%d: ", scratch_path(), bad_changes[_i].line);
+    ck_assert_int_eq(palp_mesh_read_gmsh(scratch_path(), MM, true, &mesh, &error), PALP_ERR_INPUT);
+    ck_assert_msg(strncmp(error.text, prefix, strlen(prefix)) == 0, "%s, not %s", error.text, prefix);
+    ck_assert_msg(strstr(error.text, bad_changes[_i].text), "%s", error.text);
+    ck_assert_ptr_null(mesh);
+    remove(scratch_path());
+}
+END_TEST
+
 void tests(TCase *tc) {
     tcase_add_test(tc, gmsh_tetrahedra_with_everything);
     tcase_add_test(tc, gmsh_scale_and_default_sets);
@@ -307,7 +439,11 @@ void tests(TCase *tc) {
     tcase_add_test(tc, gmsh_hexahedra_are_the_lattice);
     tcase_add_loop_test(tc, gmsh_bad_files_say_where, 0, (int)(sizeof bad_files / sizeof *bad_files));
     tcase_add_test(tc, gmsh_refuses_bad_arguments);
-    tcase_add_test(tc, gmsh_every_truncation_is_an_error_or_a_mesh);
-    tcase_add_loop_test(tc, gmsh_every_overwritten_byte_is_an_error_or_a_mesh, 0, 8);
+    tcase_add_loop_test(tc, gmsh_every_truncation_is_an_error_or_a_mesh, 0, 2);
+    tcase_add_loop_test(tc, gmsh_every_overwritten_byte_is_an_error_or_a_mesh, 0, 16);
     tcase_add_test(tc, gmsh_windows_line_ends_are_read);
+    tcase_add_loop_test(tc, gmsh_versions_give_the_same_mesh, 0, 4);
+    tcase_add_loop_test(tc, gmsh_version_2_element_without_a_group, 0, 2);
+    tcase_add_loop_test(tc, gmsh_bad_changes_of_version_2_say_where, 0,
+                        (int)(sizeof bad_changes / sizeof *bad_changes));
 }
