@@ -339,7 +339,7 @@ static size_t find_contacts_of_nodes(self_term *t, const palp_network *net, bool
             t->found[n] = s;
             least = distance;
         }
-        n += isfinite(least);
+        n += isfinite(least) ? 1 : 0;
     }
     return n;
 }

@@ -144,7 +144,7 @@ static size_t list_candidates(inclusion *s) {
         c->tool = press_sphere(s->mesh, s->press[0].tool.radius_m,
                                low[0] + (high[0] - low[0]) * (i / GRID) / (GRID - 1),
                                low[1] + (high[1] - low[1]) * (i % GRID) / (GRID - 1));
-        n += isfinite(c->tool.position_m[1]);
+        n += isfinite(c->tool.position_m[1]) ? 1 : 0;
     }
     return n;
 }
