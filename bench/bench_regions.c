@@ -1,7 +1,7 @@
-/* bench_regions.c: time of a tick of a network with three regions, and of one whose surface may also touch
- * itself, over that of the same network without. A
- * sphere slides and presses on a lattice of 11 nodes a side, scaled as a solid, with two arms. The networks
- * tick in turn, with the same corrections; the ratio is of medians. */
+/* bench_regions.c: time of a tick of a network with three regions over that of the same network without. It
+ * is measured too where the surface may also touch itself. A sphere slides and presses on a lattice of 11
+ * nodes a side, scaled as a solid, with two arms. The networks tick in turn, with the same corrections; the
+ * ratio is of medians. */
 #include "bench.h"
 
 #include <palpate/realtime.h>

@@ -92,10 +92,10 @@ typedef struct palp_contact_settings {
      * spheres and capsules stiffness is then not used: each vertex has the local compliance that the mesh
      * lacks (doc/numerics.md), so the force hardly depends on the spacing of the nodes. */
     size_t subdivisions;
-    /* Without subdivisions: spheres and capsules touch triangles in points that give way by what the mesh
-     * lacks of the tissue below (doc/numerics.md), so that force hardly depends on where between the nodes a
-     * tool is. stiffness then only keeps a tool from sinking in by more than half its radius. Otherwise each
-     * triangle is touched in its nearest point, which is up to four times too stiff. true */
+    /* Without subdivisions: spheres and capsules touch triangles in points, which give way by what the mesh
+     * lacks of the tissue below (doc/numerics.md). The force then hardly depends on where between the nodes
+     * a tool is. stiffness then only keeps a tool from sinking in by more than half its radius. Otherwise
+     * each triangle is touched in its nearest point, which is up to four times too stiff. true */
     bool local;
     /* Tissue touches itself, and other tissues of the mesh (palp_mesh_join): nodes of the surface touch its
      * triangles, apart from those next to them. A node stays on its side of a triangle, wherever a step takes
@@ -118,11 +118,11 @@ PALP_API palp_status palp_network_enable_tools(palp_network *network, size_t max
 
 /* Sets the tools for the next steps until the next call; they are copied. A tool is identified by its index.
  * It moves on a straight line from its place at the last committed step, and turns by the shorter way. A step
- * follows it in parts of at most half an edge of the surface and a quarter of its radius, a hull in parts of
- * its whole radius. ERR_ARGUMENT: more than max_tools, a number that is not finite, an axis (capsule,
- * plane) that is no unit vector within 1e-6, nor an orientation unless it is zero, a radius that is not
- * positive, a negative length or friction, no hull. A saved state has no hulls: a tool restored has that of
- * its index at present, and without one touches nothing until the tools are set. */
+ * follows it in parts of at most half an edge of the surface. They are at most a quarter of its radius long,
+ * of a hull its whole radius. ERR_ARGUMENT: more than max_tools; a number that is not finite; an axis
+ * (capsule, plane) or orientation that is no unit vector within 1e-6, unless the orientation is zero; a
+ * radius that is not positive; a negative length or friction; no hull. A saved state has no hulls: a tool
+ * restored has that of its index at present, and without one touches nothing until the tools are set. */
 PALP_API palp_status palp_network_set_tools(palp_network *network, size_t n, const palp_tool *tools);
 
 /* Force on each tool at the last committed state, force[n of set_tools]; zeros before the first step of a

@@ -10,11 +10,8 @@ void contact_plane_at(const int32_t node[3], const double *x, contact_plane *pla
     if (memcmp(plane->node, node, sizeof plane->node) == 0)
         return;
     const double *corner[3] = {x + 3 * node[0], x + 3 * node[1], x + 3 * node[2]};
-    double ab[3], ac[3];
     memcpy(plane->node, node, sizeof plane->node);
-    along3(corner[1], -1.0, corner[0], ab);
-    along3(corner[2], -1.0, corner[0], ac);
-    cross3(ab, ac, plane->outward);
+    triangle_normal(corner[0], corner[1], corner[2], plane->outward);
     const double area = sqrt(dot3(plane->outward, plane->outward));
     for (int k = 0; k < 3; k++)
         plane->outward[k] /= area;

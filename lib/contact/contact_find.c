@@ -109,10 +109,8 @@ static double fade_by_surface_normal(const palp_tool *tool, const double normal[
  * behind. */
 static double triangle_facing_factor(const palp_tool *tool, const double *const corner[3], double edge,
                                      const contact *c) {
-    double ab[3], ac[3], normal[3];
-    along3(corner[1], -1.0, corner[0], ab);
-    along3(corner[2], -1.0, corner[0], ac);
-    cross3(ab, ac, normal);
+    double normal[3];
+    triangle_normal(corner[0], corner[1], corner[2], normal);
     double area = sqrt(dot3(normal, normal));
     if (!(area > 1e-9 * edge * edge))
         return 0.0;
@@ -228,10 +226,7 @@ static void continue_touch(const contact_set *set, contact *c, const contact_tou
 
 /* The material around the corner that is nearest. */
 static int material_at(const contact_set *set, const contact *c) {
-    int nearest = 0;
-    for (int j = 1; j < c->corners; j++)
-        nearest = c->share[j] > c->share[nearest] ? j : nearest;
-    return set->material ? set->material[c->node[nearest]] : 0;
+    return set->material ? set->material[contact_main_corner(c)] : 0;
 }
 
 /* Sets where friction's spring starts, and the share of the step since contact began. False for a tool that
@@ -294,15 +289,13 @@ static void find_node_contacts(search *s, int32_t tool, double reach) {
 /* Factor of the stiffness of a node's contact, by the mean normal of its triangles. */
 static double node_facing_factor(const contact_set *set, const palp_tool *tool, const contact *c,
                                  const double *x) {
-    double normal[3] = {0.0}, ab[3], ac[3], own[3];
+    double normal[3] = {0.0}, own[3];
     const int32_t node = c->node[0];
     if (tool->shape == PALP_TOOL_PLANE)
         return 1.0;
     for (uint32_t i = set->points.first[node]; i < set->points.first[node + 1]; i++) {
         const int32_t *t = set->surface + 3 * set->points.around[i];
-        along3(x + 3 * t[1], -1.0, x + 3 * t[0], ab);
-        along3(x + 3 * t[2], -1.0, x + 3 * t[0], ac);
-        cross3(ab, ac, own);
+        triangle_normal(x + 3 * t[0], x + 3 * t[1], x + 3 * t[2], own);
         along3(normal, 1.0, own, normal);
     }
     return fade_by_surface_normal(tool, normal, c);
@@ -348,19 +341,15 @@ static double stiffness_of_triangle(const contact_set *set, const int32_t *node)
 }
 
 static bool has_triangle_area(const contact_set *set, const double *const corner[3]) {
-    double ab[3], ac[3], normal[3];
-    along3(corner[1], -1.0, corner[0], ab);
-    along3(corner[2], -1.0, corner[0], ac);
-    cross3(ab, ac, normal);
+    double normal[3];
+    triangle_normal(corner[0], corner[1], corner[2], normal);
     return sqrt(dot3(normal, normal)) > 1e-9 * set->edge * set->edge;
 }
 
 /* The side of a square of twice the triangle's area at rest, m. */
 static double spacing_of_triangle(const contact_set *set, const int32_t *node) {
-    double ab[3], ac[3], normal[3];
-    along3(set->rest + 3 * node[1], -1.0, set->rest + 3 * node[0], ab);
-    along3(set->rest + 3 * node[2], -1.0, set->rest + 3 * node[0], ac);
-    cross3(ab, ac, normal);
+    double normal[3];
+    triangle_normal(set->rest + 3 * node[0], set->rest + 3 * node[1], set->rest + 3 * node[2], normal);
     return sqrt(sqrt(dot3(normal, normal)));
 }
 

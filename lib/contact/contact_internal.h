@@ -247,8 +247,10 @@ bool contact_relaxes(const contact_set *set, const contact *c);
 /* Potential of its normal force, J. */
 double contact_energy(const contact_set *set, const contact *c);
 
-/* Barycentric coordinates of the point of a triangle nearest to p. */
+/* Barycentric coordinates of the point of a triangle nearest to p; and the distance to the triangle of these
+ * nodes at x. */
 void contact_nearest(const double *const corner[3], const double p[3], double share[3]);
+double contact_nearest_distance(const double *x, const int32_t node[3], const double p[3], double share[3]);
 
 /* ---- contact_hull.c: hulls, and how tools have turned ---- */
 
@@ -353,11 +355,27 @@ static inline bool contact_tool_is_round(const palp_tool *tool) {
     return tool->shape == PALP_TOOL_SPHERE || tool->shape == PALP_TOOL_CAPSULE;
 }
 
+/* Normal of a triangle, outward where its corners go round so; its length is twice the area. */
+static inline void triangle_normal(const double *a, const double *b, const double *c, double normal[3]) {
+    double ab[3], ac[3];
+    along3(b, -1.0, a, ab);
+    along3(c, -1.0, a, ac);
+    cross3(ab, ac, normal);
+}
+
 /* Sum of share[i] times the contact's nodes in x[3 n_nodes]. */
 static inline void contact_point(const contact *c, const double share[3], const double *x, double point[3]) {
     point[0] = point[1] = point[2] = 0.0;
     for (int i = 0; i < c->corners; i++)
         along3(point, share[i], x + 3 * c->node[i], point);
+}
+
+/* The node that has the largest share of a contact's nearest point. */
+static inline int32_t contact_main_corner(const contact *c) {
+    int most = 0;
+    for (int j = 1; j < c->corners; j++)
+        most = c->share[j] > c->share[most] ? j : most;
+    return c->node[most];
 }
 
 static inline bool positive(double v) {

@@ -13,10 +13,8 @@ static double *local_stiffness(arena *memory, const palp_network *net, const ski
     const double modulus = network_shared_length(net) / (6.0 * mesh_volume(net->mesh, NULL));
     for (size_t i = 0; i < 3 * s->n_triangles && local; i++) {
         const int32_t *t = net->surface + 3 * (i / 3 / parts);
-        double first[3], second[3], normal[3];
-        along3(net->rest + 3 * t[1], -1.0, net->rest + 3 * t[0], first);
-        along3(net->rest + 3 * t[2], -1.0, net->rest + 3 * t[0], second);
-        cross3(first, second, normal);
+        double normal[3];
+        triangle_normal(net->rest + 3 * t[0], net->rest + 3 * t[1], net->rest + 3 * t[2], normal);
         const double edge = pow(dot3(normal, normal), 0.25); /* of the square that is twice the triangle */
         const double stiffer =
             net->stiffer ? (net->stiffer[t[0]] + net->stiffer[t[1]] + net->stiffer[t[2]]) / 3.0 : 1.0;

@@ -36,12 +36,19 @@ void contact_nearest(const double *const corner[3], const double p[3], double sh
     memcpy(share, found, sizeof found);
 }
 
+double contact_nearest_distance(const double *x, const int32_t node[3], const double p[3], double share[3]) {
+    const double *corner[3] = {x + 3 * node[0], x + 3 * node[1], x + 3 * node[2]};
+    double away[3] = {p[0], p[1], p[2]};
+    contact_nearest(corner, p, share);
+    for (int i = 0; i < 3; i++)
+        along3(away, -share[i], corner[i], away);
+    return sqrt(dot3(away, away));
+}
+
 /* The nearest point is inside the triangle: distance along its normal. */
 static void measure_distance_to_face(const double *const corner[3], const double centre[3], contact *c) {
-    double ab[3], ac[3], normal[3], to[3];
-    along3(corner[1], -1.0, corner[0], ab);
-    along3(corner[2], -1.0, corner[0], ac);
-    cross3(ab, ac, normal);
+    double normal[3], to[3];
+    triangle_normal(corner[0], corner[1], corner[2], normal);
     double area = sqrt(dot3(normal, normal));
     for (int k = 0; k < 3; k++)
         c->normal[k] = -normal[k] / area;

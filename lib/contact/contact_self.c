@@ -10,11 +10,9 @@ static const double REACH = 0.5;  /* of an edge: so near, a node may come to tou
 static const double MARGIN = 0.5; /* of an edge: the list of pairs lasts until nodes have moved half of it */
 static const double LOYAL = 0.02; /* of an edge: a node changes triangles for at least so much */
 static const double LEVEL = 1e-9; /* of an edge: on the surface, neither outside nor inside */
-enum {
-    PAIRS = 32,
-    ENTRIES = 16,
-    CELLS = 8
-}; /* room: pairs a node, cells a triangle is in, cells a triangle */
+/* Room for pairs, for entries in cells and for cells, each by triangles of the surface. Further pairs are
+ * left out; with more entries or cells the cells are larger. */
+enum { PAIRS = 32, ENTRIES = 16, CELLS = 8 };
 
 /* A node of the surface and a triangle of it. */
 typedef struct self_pair {
@@ -44,8 +42,7 @@ typedef struct self_contact {
 
 typedef struct self_term {
     network_term term;
-    contact_set set; /* its only tool is a point */
-    double friction;
+    contact_set set;        /* its only tool is a point */
     size_t surface_changes; /* count of the network's when nodes were listed */
     int32_t *node;          /* [n_listed] nodes of the surface */
     size_t n_listed;
@@ -196,20 +193,8 @@ static void sort_triangles_into_grid(self_term *t, const double *x, double reach
     }
 }
 
-static double distance_to_triangle(const double *x, const int32_t *triangle, const double *point) {
-    const double *corner[3] = {x + 3 * triangle[0], x + 3 * triangle[1], x + 3 * triangle[2]};
-    double share[3], away[3] = {point[0], point[1], point[2]};
-    contact_nearest(corner, point, share);
-    for (int i = 0; i < 3; i++)
-        along3(away, -share[i], corner[i], away);
-    return sqrt(dot3(away, away));
-}
-
-static void outward_of_triangle(const double *x, const int32_t *triangle, double outward[3]) {
-    double ab[3], ac[3];
-    along3(x + 3 * triangle[1], -1.0, x + 3 * triangle[0], ab);
-    along3(x + 3 * triangle[2], -1.0, x + 3 * triangle[0], ac);
-    cross3(ab, ac, outward);
+static void outward_of_triangle(const double *x, const int32_t *node, double outward[3]) {
+    triangle_normal(x + 3 * node[0], x + 3 * node[1], x + 3 * node[2], outward);
 }
 
 static void find_outward_of_nodes(self_term *t, const double *x) {
@@ -239,13 +224,14 @@ static void list_pairs_of_node(self_term *t, const palp_network *net, const grid
                         cell_along_axis(g, 2, p[2]);
     for (uint32_t e = t->first[cell]; e < t->first[cell + 1] && t->n_pairs < t->max_pairs; e++) {
         const int32_t *triangle = t->set.surface + 3 * t->entry[e];
-        double low[3], high[3];
+        double low[3], high[3], share[3];
         box_around_triangle(x, triangle, reach, low, high);
         bool near = true;
         for (int k = 0; k < 3; k++)
             near = near && p[k] >= low[k] && p[k] <= high[k];
         if (near && does_node_face_triangle(t, x, triangle, node) &&
-            !is_triangle_next_to_node(net, triangle, node) && distance_to_triangle(x, triangle, p) <= reach)
+            !is_triangle_next_to_node(net, triangle, node) &&
+            contact_nearest_distance(x, triangle, p, share) <= reach)
             t->pair[t->n_pairs++] = (self_pair){node, t->entry[e], false};
     }
 }
@@ -302,6 +288,7 @@ static bool is_node_on_triangle(const self_term *t, const self_contact *s, doubl
 static bool try_contact_of_pair(const self_term *t, const palp_network *net, const self_pair *pair,
                                 const double *x, self_contact *s, double *distance) {
     const int32_t *node = t->set.surface + 3 * pair->triangle;
+    double share[3];
     if (!pair->open)
         return false;
     s->node = pair->node;
@@ -310,7 +297,7 @@ static bool try_contact_of_pair(const self_term *t, const palp_network *net, con
     *c = (contact){.node = {node[0], node[1], node[2]}, .corners = 3, .memory = -1, .tissue = true};
     memcpy(t->set.pose->position_m, x + 3 * pair->node, 3 * sizeof *x);
     contact_measure(t->set.pose, c, x);
-    *distance = distance_to_triangle(x, node, x + 3 * pair->node);
+    *distance = contact_nearest_distance(x, node, x + 3 * pair->node, share);
     if (!(c->depth > -REACH * t->set.edge) || !is_node_on_triangle(t, s, *distance))
         return false;
     if (t->triangle[s->node] == s->triangle)
@@ -398,7 +385,7 @@ static void place_contact_at_node(const self_term *t, const palp_network *net, s
     const double *x = net->next.x + 3 * s->node, *was = net->now.x + 3 * s->node;
     contact *c = &s->contact;
     memcpy(t->set.pose->position_m, x, 3 * sizeof *x);
-    if (!(t->friction > 0.0))
+    if (!(t->set.settings.tissue_friction > 0.0))
         return;
     contact_point(c, c->stick_share, net->now.x, c->anchor);
     along3(c->anchor, 1.0, x, c->anchor);
@@ -430,22 +417,14 @@ static void evaluate_self_forces(network_term *term, palp_network *net) {
     }
 }
 
-/* The node's corner that takes the largest part of the force. */
-static int32_t main_corner(const contact *c) {
-    int most = 0;
-    for (int j = 1; j < 3; j++)
-        most = c->share[j] > c->share[most] ? j : most;
-    return c->node[most];
-}
-
 static palp_contact tell_self_contact(const self_term *t, const self_contact *s) {
     const contact *c = &s->contact;
     palp_contact told = {.tool = PALP_CONTACT_TISSUE,
                          .normal_N = c->pressure,
                          .depth_m = c->depth,
-                         .slips = t->friction > 0.0 && c->kept < 1.0,
+                         .slips = t->set.settings.tissue_friction > 0.0 && c->kept < 1.0,
                          .node = s->node,
-                         .other = main_corner(c)};
+                         .other = contact_main_corner(c)};
     memcpy(told.place_m, c->point, sizeof c->point);
     for (int k = 0; k < 3; k++) {
         told.normal[k] = -c->normal[k];
@@ -469,7 +448,7 @@ static void finish_self_step(network_term *term, palp_network *net) {
         touch->depth = c->depth;
         for (int k = 0; k < 3; k++)
             touch->outward[k] = -c->normal[k];
-        if (t->friction > 0.0)
+        if (t->set.settings.tissue_friction > 0.0)
             memcpy(touch->stretch, c->stretch, sizeof c->stretch);
     }
 }
@@ -557,7 +536,7 @@ static bool add_self_energy(const network_term *term, const palp_network *net, d
     for (size_t i = 0; i < t->n_contacts; i++) {
         if (!(t->contact[i].contact.depth > 0.0))
             continue;
-        if (t->friction > 0.0)
+        if (t->set.settings.tissue_friction > 0.0)
             return false;
         *energy += contact_energy(&t->set, &t->contact[i].contact);
     }
@@ -590,7 +569,6 @@ network_term *contact_self_new(const palp_network *net, const palp_contact_setti
     own.local = false;
     contact_set_create(&t->set, memory, n, net->rest, triangles, net->surface, net->unit, net->extent, 1,
                        &own);
-    t->friction = settings->tissue_friction;
     t->max_pairs = PAIRS * triangles;
     t->max_cells = CELLS * triangles;
     t->max_entries = ENTRIES * triangles + 4 * tetrahedra; /* all triangles of a cut mesh, in one cell */
@@ -610,7 +588,7 @@ network_term *contact_self_new(const palp_network *net, const palp_contact_setti
         state->told = arena_take(memory, n, sizeof *state->told);
     }
     if (!memory->failed) {
-        t->set.pose[0] = (palp_tool){.shape = PALP_TOOL_SPHERE, .friction = t->friction};
+        t->set.pose[0] = (palp_tool){.shape = PALP_TOOL_SPHERE, .friction = t->set.settings.tissue_friction};
         t->set.tool[0] = t->set.pose[0];
         list_nodes_of_surface(t, net);
     }

@@ -136,11 +136,9 @@ static bool is_point_inside_body(size_t n, const int32_t *surface, const double 
         }
         if (!over)
             continue;
-        double ab[3], ac[3], ap[3], normal[3];
-        along3(corner[1], -1.0, corner[0], ab);
-        along3(corner[2], -1.0, corner[0], ac);
+        double ap[3], normal[3];
         along3(p, -1.0, corner[0], ap);
-        cross3(ab, ac, normal);
+        triangle_normal(corner[0], corner[1], corner[2], normal);
         if ((dot3(normal, ap) < 0.0) == (normal[1] > 0.0))
             inside = !inside;
     }

@@ -44,11 +44,9 @@ static void take_points(making *m, size_t n, const double *points) {
 /* The plane through three points, if all others are on it or on one side, which is inside. False: it is no
  * face. */
 static bool find_plane(const making *m, const size_t three[3], hull_face *face, uint64_t *on) {
-    double first[3], second[3], low = 0.0, high = 0.0;
+    double low = 0.0, high = 0.0;
     const double *start = m->point[three[0]];
-    along3(m->point[three[1]], -1.0, start, first);
-    along3(m->point[three[2]], -1.0, start, second);
-    cross3(first, second, face->normal);
+    triangle_normal(start, m->point[three[1]], m->point[three[2]], face->normal);
     const double area = sqrt(dot3(face->normal, face->normal));
     if (!(area * FLAT > m->near * m->near))
         return false;

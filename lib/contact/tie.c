@@ -9,7 +9,7 @@ enum { PAIRS = 500, ENTRIES = 4 * PALP_TIE_POINTS };
 
 typedef struct tie_term {
     network_term term;
-    size_t max, n, max_pairs;
+    size_t max, n;
     palp_tie *tie;              /* [max] */
     double *was;                /* [3 max PALP_TIE_POINTS] places of points at the committed state */
     double *place;              /* the same, at the present evaluation */
@@ -98,6 +98,14 @@ static double longest_way_of_ties(const network_term *term, const palp_network *
     return 0.0;
 }
 
+/* Sum of share times u[3 n_nodes] at the nodes of a point; 0 for one outside the tissue. */
+static void take_at_point(const palp_tie_point *p, const double *u, double at[3]) {
+    at[0] = at[1] = at[2] = 0.0;
+    for (int k = 0; k < 4 && p->node[0] >= 0; k++)
+        if (p->share[k] != 0.0)
+            along3(at, p->share[k], u + 3 * p->node[k], at);
+}
+
 /* slack: its length without force. place[3 PALP_TIE_POINTS]: of points that are not in the tissue. */
 static void shape_of_tie(const palp_tie *tie, double slack, const double *place, const double *x,
                          tie_shape *shape) {
@@ -106,10 +114,7 @@ static void shape_of_tie(const palp_tie *tie, double slack, const double *place,
         const palp_tie_point *p = &tie->point[i];
         memcpy(shape->point[i], place + 3 * i, sizeof shape->point[i]);
         if (p->node[0] >= 0)
-            memset(shape->point[i], 0, sizeof shape->point[i]);
-        for (int k = 0; k < 4 && p->node[0] >= 0; k++)
-            if (p->share[k] != 0.0)
-                along3(shape->point[i], p->share[k], x + 3 * p->node[k], shape->point[i]);
+            take_at_point(p, x, shape->point[i]);
     }
     for (size_t i = 0; i + 1 < tie->n_points; i++) {
         double d[3], none[3] = {0.0};
@@ -258,11 +263,8 @@ static void multiply_tie_tangent(const network_term *term, const palp_network *n
             continue;
         for (size_t a = 0; a < tie->n_points; a++)
             for (size_t b = 0; b < tie->n_points; b++) {
-                double k[9], at[3] = {0.0}, pull[3];
-                const palp_tie_point *p = &tie->point[b];
-                for (int c = 0; c < 4 && p->node[0] >= 0; c++)
-                    if (p->share[c] != 0.0)
-                        along3(at, p->share[c], u + 3 * p->node[c], at);
+                double k[9], at[3], pull[3];
+                take_at_point(&tie->point[b], u, at);
                 block_of_points(tie, &shape, a, b, k);
                 for (int r = 0; r < 3; r++)
                     pull[r] = dot3(k + 3 * r, at);
@@ -321,7 +323,6 @@ palp_status palp_network_enable_ties(palp_network *net, size_t max_ties) {
     if (t) {
         arena *memory = &t->term.memory;
         t->max = max_ties;
-        t->max_pairs = PAIRS * max_ties;
         t->tie = arena_take(memory, max_ties, sizeof *t->tie);
         t->was = arena_take(memory, 3 * max_ties * PALP_TIE_POINTS, sizeof *t->was);
         t->place = arena_take(memory, 3 * max_ties * PALP_TIE_POINTS, sizeof *t->place);
@@ -377,7 +378,7 @@ palp_status palp_network_set_ties(palp_network *net, size_t n, const palp_tie *t
         const size_t entries = list_entries_of_tie(&ties[i], entry);
         pairs += entries * (entries > 0 ? entries - 1 : 0) / 2;
     }
-    if (pairs > t->max_pairs)
+    if (pairs > PAIRS * t->max)
         return PALP_ERR_LIMIT;
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; k < PALP_TIE_POINTS; k++)
@@ -442,16 +443,13 @@ static void nearest_point_of_surface(const palp_mesh *mesh, const double place[3
     const int32_t *triangle = palp_mesh_triangles(mesh);
     double least = INFINITY;
     for (size_t i = 0; i < palp_mesh_triangle_count(mesh); i++, triangle += 3) {
-        const double *corner[3] = {x + 3 * triangle[0], x + 3 * triangle[1], x + 3 * triangle[2]};
-        double share[3], away[3] = {-place[0], -place[1], -place[2]};
-        contact_nearest(corner, place, share);
-        for (int k = 0; k < 3; k++)
-            along3(away, share[k], corner[k], away);
-        if (dot3(away, away) < least) {
-            least = dot3(away, away);
-            *point = (palp_tie_point){.node = {triangle[0], triangle[1], triangle[2], -1},
-                                      .share = {share[0], share[1], share[2], 0.0}};
-        }
+        double share[3];
+        const double distance = contact_nearest_distance(x, triangle, place, share);
+        if (!(distance < least))
+            continue;
+        least = distance;
+        *point = (palp_tie_point){.node = {triangle[0], triangle[1], triangle[2], -1},
+                                  .share = {share[0], share[1], share[2], 0.0}};
     }
 }
 

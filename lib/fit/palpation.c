@@ -5,9 +5,9 @@
 #include "base/dense.h"
 #include "base/file.h"
 #include "base/statistics.h"
+#include "calibrate_internal.h"
 #include "contact/contact_internal.h"
 #include "mesh/mesh_internal.h"
-#include "solve/least_squares.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +17,8 @@ static const char BALL[] = "palpation.ball"; /* the region */
 
 enum {
     PLACE = 4,
-    ALL = PLACE + 1
+    ALL = PLACE + 1,
+    WITH_GAIN
 };                   /* parameters: x, y, z and the logarithm of the radius; of the stiffness */
 enum { LEVELS = 2 }; /* states of a press: at half its depth and at all of it */
 enum { KNOWN = 4, STIFFNESSES = 7, STARTS = 3, SCAN = 5, FEWEST = 8 };
@@ -197,8 +198,8 @@ static palp_status slope_by_parameter(search *s, const double p[PLACE], size_t k
 /* ---- the fit for one stiffness -------------------------------------------------------------------- */
 
 static bool is_lost(palp_status status) {
-    return status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED || status == PALP_ERR_COLLAPSED ||
-           status == PALP_ERR_SINGULAR || status == PALP_ERR_INSIDE || status == PALP_ERR_INPUT;
+    return calibration_lost(status) || status == PALP_ERR_SINGULAR || status == PALP_ERR_INSIDE ||
+           status == PALP_ERR_INPUT;
 }
 
 /* Residuals of the logarithms of force, without their mean: the gain is fitted. */
@@ -238,13 +239,20 @@ typedef struct candidate {
     bool known;                       /* there is one */
 } candidate;
 
+/* Ends of a parameter's range. */
+static void range_of_parameter(const search *s, size_t k, double *low, double *high) {
+    *low = k < 3 ? s->low[k] / s->edge : log(LEAST);
+    *high = k < 3 ? s->high[k] / s->edge : log(MOST * s->shortest / s->edge);
+}
+
 static void set_bounds(const search *s, double row[2 * PLACE * PLACE], double floor[2 * PLACE]) {
     memset(row, 0, 2 * PLACE * PLACE * sizeof *row);
     for (size_t k = 0; k < PLACE; k++) {
+        double high;
         row[2 * k * PLACE + k] = 1.0;
         row[(2 * k + 1) * PLACE + k] = -1.0;
-        floor[2 * k] = k < 3 ? s->low[k] / s->edge : log(LEAST);
-        floor[2 * k + 1] = k < 3 ? -s->high[k] / s->edge : -log(MOST * s->shortest / s->edge);
+        range_of_parameter(s, k, &floor[2 * k], &high);
+        floor[2 * k + 1] = -high;
     }
 }
 
@@ -398,16 +406,18 @@ static palp_status fit_all_stiffnesses(search *s, const candidate *first, candid
 static double evidence_of_ball(const search *s, const candidate *c, double squares) {
     const double freedom = (double)(s->n - 1 + s->known), own = c->squares + s->known_squares,
                  none = squares + s->known_squares, variance = own / freedom;
-    double volume = 0.0, normal[PLACE * PLACE];
+    double normal[PLACE * PLACE];
     if (!c->known)
         return -INFINITY;
     memcpy(normal, c->covariance, sizeof normal);
     if (!dense_cholesky(PLACE, normal))
         return -INFINITY;
-    volume = 0.5 * dense_log_determinant(PLACE, normal) + 0.5 * PLACE * log(PI2 * variance);
-    for (int k = 0; k < 3; k++)
-        volume -= log((s->high[k] - s->low[k]) / s->edge);
-    volume -= log(log(MOST * s->shortest / s->edge) - log(LEAST));
+    double volume = 0.5 * dense_log_determinant(PLACE, normal) + 0.5 * PLACE * log(PI2 * variance);
+    for (size_t k = 0; k < PLACE; k++) {
+        double low, high;
+        range_of_parameter(s, k, &low, &high);
+        volume -= log(high - low);
+    }
     return -0.5 * freedom * log(own / none) + fmin(volume, 0.0);
 }
 
@@ -482,105 +492,118 @@ static void find_interval_of_stiffness(const candidate found[STIFFNESSES],
     v->high = softer ? exp(-end[0]) : open ? INFINITY : exp(end[1]);
 }
 
-/* Medians and intervals of the posterior. Returns the stiffness that has most of it. */
+/* The ball of the stiffness that has most of the posterior, whose number is returned, and intervals of all.
+ */
 static size_t find_intervals(const search *s, const candidate found[STIFFNESSES],
                              const double posterior[STIFFNESSES], palp_palpation *result) {
     static const double TAIL = 0.025;
     const size_t freedom = s->known + (s->n > ALL + 2 ? s->n - ALL - 1 : 1);
     palp_palpation_value *value[PLACE] = {&result->x_m, &result->y_m, &result->z_m, &result->radius_m};
-    double least[PLACE], most[PLACE];
     size_t best = 0;
     for (size_t i = 1; i < STIFFNESSES; i++)
         best = posterior[i] > posterior[best] ? i : best;
     for (size_t k = 0; k < PLACE; k++) {
         mixture m = {.n = STIFFNESSES};
-        least[k] = k < 3 ? s->low[k] / s->edge : log(LEAST);
-        most[k] = k < 3 ? s->high[k] / s->edge : log(MOST * s->shortest / s->edge);
+        double least, most;
+        range_of_parameter(s, k, &least, &most);
         for (size_t i = 0; i < STIFFNESSES; i++) {
             m.share[i] = posterior[i];
             m.mean[i] = found[i].p[k];
             m.sd[i] = statistics_student_widening(freedom) *
                       sqrt((found[i].squares + s->known_squares) / (double)freedom *
                            found[i].covariance[k * PLACE + k]);
-            m.sd[i] = fmax(fmin(m.sd[i], most[k] - least[k]), 1e-9);
+            m.sd[i] = fmax(fmin(m.sd[i], most - least), 1e-9);
         }
-        double *end[] = {&value[k]->best, &value[k]->low, &value[k]->high};
-        const double share[] = {0.5, TAIL, 1.0 - TAIL};
-        for (int e = 0; e < 3; e++) {
-            const double at = quantile_of_mixture(&m, share[e], least[k], most[k]);
-            *end[e] = s->edge * (k < 3 ? at : exp(at));
-        }
+        const double low = quantile_of_mixture(&m, TAIL, least, most),
+                     high = quantile_of_mixture(&m, 1.0 - TAIL, least, most);
+        *value[k] = k < 3 ? (palp_palpation_value){s->edge * found[best].p[k], s->edge * low, s->edge * high}
+                          : (palp_palpation_value){s->edge * exp(found[best].p[k]), s->edge * exp(low),
+                                                   s->edge * exp(high)};
     }
     find_interval_of_stiffness(found, posterior, TAIL, &result->stiffness);
-    for (size_t k = 0; k < PLACE; k++)
-        value[k]->best = s->edge * (k < 3 ? found[best].p[k] : exp(found[best].p[k]));
     result->stiffness.best = exp(found[best].log_stiffness);
     return best;
 }
 
 /* ---- the next press ------------------------------------------------------------------------------- */
 
-/* Information of the presses so far on gain, place, radius and stiffness, by rows: lower triangle factored.
- */
-static bool information_of_presses(size_t n, const double *slope, double normal[(ALL + 1) * (ALL + 1)]) {
-    enum { N = ALL + 1 };
-    for (size_t a = 0; a < N; a++)
-        for (size_t b = 0; b < N; b++) {
-            normal[a * N + b] = a == b ? 1e-9 : 0.0;
-            for (size_t i = 0; i < n; i++)
-                normal[a * N + b] += (a < ALL ? slope[a * n + i] : 1.0) * (b < ALL ? slope[b * n + i] : 1.0);
-        }
-    return dense_cholesky(N, normal);
+/* Parameter a of press i, of slope[all] by parameters: the gain is the last. */
+static double slope_of_press(const double *slope, size_t all, size_t a, size_t i) {
+    return a < ALL ? slope[a * all + i] : 1.0;
 }
 
-/* The candidate whose force is known least by what the presses say of the ball: it adds most information. */
-static palp_status choose_next_press(search *s, const candidate *best, palp_palpation *result) {
-    enum { N = ALL + 1 };
-    const size_t more = s->settings->n_candidates, all = s->n + more, size = 3 * s->n_nodes;
-    palp_palpation_press *press = malloc((all + 1) * sizeof *press);
-    double *x = malloc((LEVELS * size * all + 1) * sizeof *x), *room = malloc((ALL + 3) * all * sizeof *room),
-           *slope = room + 3 * all, normal[N * N], most = -1.0;
-    search own = *s;
+/* Information of the first n presses on place, radius, stiffness and gain: its factor. */
+static bool factor_information(size_t n, const double *slope, size_t all,
+                               double normal[WITH_GAIN * WITH_GAIN]) {
+    for (size_t a = 0; a < WITH_GAIN; a++)
+        for (size_t b = 0; b < WITH_GAIN; b++) {
+            normal[a * WITH_GAIN + b] = a == b ? 1e-9 : 0.0;
+            for (size_t i = 0; i < n; i++)
+                normal[a * WITH_GAIN + b] +=
+                    slope_of_press(slope, all, a, i) * slope_of_press(slope, all, b, i);
+        }
+    return dense_cholesky(WITH_GAIN, normal);
+}
+
+/* The candidate, of those from n on, whose force is known least by what the first n presses say of the ball:
+ * it adds most information. */
+static size_t find_least_certain(size_t n, const double *slope, size_t all, const double *normal) {
+    size_t next = all;
+    double most = -1.0;
+    for (size_t i = n; i < all; i++) {
+        double g[WITH_GAIN];
+        for (size_t a = 0; a < WITH_GAIN; a++)
+            g[a] = slope_of_press(slope, all, a, i);
+        dense_forward(WITH_GAIN, normal, 1, g);
+        const double told = dense_dot(WITH_GAIN, g, g);
+        next = told > most ? i : next;
+        most = fmax(most, told);
+    }
+    return next;
+}
+
+/* Derivatives slope[ALL n] of all presses of the search by the parameters of this ball. */
+static palp_status find_slopes(search *s, const candidate *found, double *slope) {
+    s->log_stiffness = found->log_stiffness;
+    palp_status status = place_ball(s, found->p);
+    if (!status)
+        status = solve_presses(s, NULL);
+    if (!status)
+        status = work_of_held_nodes(s, s->elastic);
+    for (size_t k = 0; k < ALL && !status; k++)
+        status = slope_by_parameter(s, found->p, k, slope + k * s->n);
+    return status;
+}
+
+/* Presses all candidates too, with the ball found. */
+static palp_status choose_next_press(const search *s, const candidate *best, palp_palpation *result) {
+    const size_t more = s->settings->n_candidates, all = s->n + more;
+    double normal[WITH_GAIN * WITH_GAIN];
     result->next = more;
-    palp_status status = press && x && room ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (!status && more > 0) {
+    if (more == 0)
+        return PALP_OK;
+    palp_palpation_press *press = malloc(all * sizeof *press);
+    double *x = malloc(LEVELS * 3 * s->n_nodes * all * sizeof *x),
+           *slope = malloc((ALL + 3) * all * sizeof *slope);
+    palp_status status = press && x && slope ? PALP_OK : PALP_ERR_NO_MEMORY;
+    if (!status) {
+        search own = *s;
         memcpy(press, s->press, s->n * sizeof *press);
         memcpy(press + s->n, s->settings->candidate, more * sizeof *press);
         own.n = all;
         own.press = press;
         own.x = x;
         own.solved = false;
-        own.work = room;
-        own.elastic = room + all;
-        own.moved = room + 2 * all;
-        own.log_stiffness = best->log_stiffness;
-        status = place_ball(&own, best->p);
-        if (!status)
-            status = solve_presses(&own, NULL);
-        if (!status)
-            status = work_of_held_nodes(&own, own.elastic);
-        for (size_t k = 0; k < ALL && !status; k++)
-            status = slope_by_parameter(&own, best->p, k, slope + k * all);
-        double *so_far = malloc(ALL * s->n * sizeof *so_far);
-        for (size_t k = 0; so_far && k < ALL; k++)
-            memcpy(so_far + k * s->n, slope + k * all, s->n * sizeof *so_far);
-        const bool known = so_far && !status && information_of_presses(s->n, so_far, normal);
-        free(so_far);
-        for (size_t i = s->n; i < all && known; i++) {
-            double g[N];
-            for (size_t k = 0; k < N; k++)
-                g[k] = k < ALL ? slope[k * all + i] : 1.0;
-            dense_forward(N, normal, 1, g);
-            const double told = dense_dot(N, g, g);
-            if (told > most) {
-                most = told;
-                result->next = i - s->n;
-            }
-        }
+        own.work = slope + ALL * all;
+        own.elastic = own.work + all;
+        own.moved = own.elastic + all;
+        status = find_slopes(&own, best, slope);
     }
+    if (!status && factor_information(s->n, slope, all, normal))
+        result->next = find_least_certain(s->n, slope, all, normal) - s->n;
     free(press);
     free(x);
-    free(room);
+    free(slope);
     return is_lost(status) ? PALP_OK : status;
 }
 
@@ -672,25 +695,25 @@ static palp_status solve_without_ball(search *s, palp_error *error) {
 /* A lattice misses something of a press at its borders and between its nodes. What a finer one of the tissue
  * without a ball has more, log[n] of the forces, is taken for what it misses with one too. The finer one has
  * an error as well: before the presses it is known to be about as large, which counts as so many presses. */
-static palp_status measure_lattice_error(search *s, double *more) {
+static palp_status measure_lattice_error(const search *s, double *more) {
     search fine = *s;
-    palp_mesh_source *source = malloc(sizeof *source);
-    palp_status status = source ? PALP_OK : PALP_ERR_NO_MEMORY;
     memset(more, 0, s->n * sizeof *more);
-    if (s->source->kind != PALP_MESH_LATTICE || status)
-        goto done;
-    *source = *s->source;
-    source->n_regions--; /* the ball is not of the mesh yet */
+    if (s->source->kind != PALP_MESH_LATTICE)
+        return PALP_OK;
+    fine.model.mesh = fine.source = malloc(sizeof *fine.source);
+    if (!fine.source)
+        return PALP_ERR_NO_MEMORY;
+    *fine.source = *s->source;
     for (int k = 0; k < 3; k++)
-        source->nodes[k] = 1 + (size_t)ceil(FINER * (double)(source->nodes[k] - 1));
-    fine.model.mesh = fine.source = source;
+        fine.source->nodes[k] = 1 + (size_t)ceil(FINER * (double)(s->source->nodes[k] - 1));
     fine.mesh = NULL;
     fine.touched = fine.bare = NULL;
     fine.x = NULL;
     fine.solved = false;
     fine.work = more;
-    status = palp_model_mesh(&fine.model, &fine.mesh, NULL);
-    source->n_regions++;
+    fine.source->n_regions--; /* the ball is not of the mesh yet */
+    palp_status status = palp_model_mesh(&fine.model, &fine.mesh, NULL);
+    fine.source->n_regions++;
     if (!status) {
         fine.n_nodes = fine.mesh->n_nodes;
         fine.x = malloc(3 * fine.n_nodes * LEVELS * fine.n * sizeof *fine.x);
@@ -698,14 +721,11 @@ static palp_status measure_lattice_error(search *s, double *more) {
     }
     for (size_t i = 0; i < s->n; i++)
         more[i] = status ? 0.0 : log(more[i]) - log(s->work[i]);
-    if (is_lost(status))
-        status = PALP_OK;
     palp_network_free(fine.touched);
     palp_mesh_free(fine.mesh);
     free(fine.x);
-done:
-    free(source);
-    return status;
+    free(fine.source);
+    return is_lost(status) ? PALP_OK : status;
 }
 
 /* The tissue alone: residual[n] and its squares. */

@@ -28,7 +28,7 @@ typedef struct inclusion {
     palp_model model;
     palp_mesh_source source;
     palp_mesh *mesh;
-    size_t n;
+    size_t n, n_candidates;
     palp_palpation_press press[PRESSES_MAX], candidate[GRID * GRID];
     palp_palpation found;
 } inclusion;
@@ -129,24 +129,22 @@ static int read_presses(const inclusion_options *o, inclusion *s) {
     return code;
 }
 
-/* A grid of places within the map, as deep as the first press. Returns their number. */
-static size_t list_candidates(inclusion *s) {
+/* A grid of places within the map, as deep as the first press. */
+static void list_candidates(inclusion *s) {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-    size_t n = 0;
     for (size_t i = 0; i < s->n; i++)
         for (int k = 0; k < 2; k++) {
             low[k] = fmin(low[k], s->press[i].tool.position_m[2 * k]);
             high[k] = fmax(high[k], s->press[i].tool.position_m[2 * k]);
         }
     for (int i = 0; i < GRID * GRID; i++) {
-        palp_palpation_press *c = &s->candidate[n];
+        palp_palpation_press *c = &s->candidate[s->n_candidates];
         c->depth_m = s->press[0].depth_m;
         c->tool = press_sphere(s->mesh, s->press[0].tool.radius_m,
                                low[0] + (high[0] - low[0]) * (i / GRID) / (GRID - 1),
                                low[1] + (high[1] - low[1]) * (i % GRID) / (GRID - 1));
-        n += isfinite(c->tool.position_m[1]) ? 1 : 0;
+        s->n_candidates += isfinite(c->tool.position_m[1]) ? 1 : 0;
     }
-    return n;
 }
 
 static int show(void *user, double share) {
@@ -160,7 +158,8 @@ static int search(const inclusion_options *o, inclusion *s) {
     progress bar;
     settings.false_alarm = o->false_alarm;
     settings.contact.subdivisions = o->subdivisions;
-    settings.n_candidates = list_candidates(s);
+    list_candidates(s);
+    settings.n_candidates = s->n_candidates;
     settings.candidate = s->candidate;
     settings.progress = show;
     settings.user = &bar;
@@ -185,8 +184,9 @@ static json_t *value_json(const palp_palpation_value *v, double unit) {
                      json_number_or_null(unit * v->low), "high", json_number_or_null(unit * v->high));
 }
 
-static const palp_palpation_press *next_press(const inclusion *s) {
-    return s->candidate + s->found.next;
+/* Where to press next; NULL: the network could not be pressed at all candidates. */
+static const double *next_place(const inclusion *s) {
+    return s->found.next < s->n_candidates ? s->candidate[s->found.next].tool.position_m : NULL;
 }
 
 static int print_json(const inclusion *s) {
@@ -195,12 +195,13 @@ static int print_json(const inclusion *s) {
         "{s:o, s:o, s:o, s:o, s:o, s:o}", "x_mm", value_json(&p->x_m, 1e3), "y_mm", value_json(&p->y_m, 1e3),
         "z_mm", value_json(&p->z_m, 1e3), "radius_mm", value_json(&p->radius_m, 1e3), "stiffness_factor",
         value_json(&p->stiffness, 1.0), "cover_mm", json_number_or_null(1e3 * cover_of_ball(s)));
-    return json_print(NAME, json_pack("{s:I, s:b, s:o, s:o, s:f, s:f, s:f, s:{s:f, s:f}}", "presses",
-                                      (json_int_t)s->n, "found", p->found, "evidence",
-                                      json_number_or_null(p->evidence), "ball", ball, "scatter", p->scatter,
-                                      "scatter_with_ball", p->scatter_found, "gain", p->gain, "next_press",
-                                      "x_mm", 1e3 * next_press(s)->tool.position_m[0], "z_mm",
-                                      1e3 * next_press(s)->tool.position_m[2]));
+    const double *next = next_place(s);
+    json_t *place =
+        next ? json_pack("{s:f, s:f}", "x_mm", 1e3 * next[0], "z_mm", 1e3 * next[2]) : json_null();
+    return json_print(NAME, json_pack("{s:I, s:b, s:o, s:o, s:f, s:f, s:f, s:o}", "presses", (json_int_t)s->n,
+                                      "found", p->found, "evidence", json_number_or_null(p->evidence), "ball",
+                                      ball, "scatter", p->scatter, "scatter_with_ball", p->scatter_found,
+                                      "gain", p->gain, "next_press", place));
 }
 
 static void print_value(const char *name, const palp_palpation_value *v, double unit, const char *of) {
@@ -225,8 +226,9 @@ static void print_text(const inclusion_options *o, const inclusion *s) {
     print_value("stiffness", &p->stiffness, 1.0, "times");
     printf("  %-10s %8.3g mm, from the surface to the ball\n", "cover", 1e3 * cover_of_ball(s));
     printf("With this ball they differ by %.2g %%.\n", 100.0 * p->scatter_found);
-    printf("Press next at x = %.3g mm, z = %.3g mm.\n", 1e3 * next_press(s)->tool.position_m[0],
-           1e3 * next_press(s)->tool.position_m[2]);
+    const double *next = next_place(s);
+    if (next)
+        printf("Press next at x = %.3g mm, z = %.3g mm.\n", 1e3 * next[0], 1e3 * next[2]);
 }
 
 static int answer(const inclusion_options *o, inclusion *s) {

@@ -1,9 +1,6 @@
 /* test_contact_point.c: one contact alone: the nearest point, and force and tangent as derivatives of its
  * energy. */
-#include "contact/contact_internal.h"
-
-#include <check.h>
-#include <string.h>
+#include "contact_alone.h"
 
 static uint64_t seed;
 
@@ -48,63 +45,10 @@ START_TEST(nearest_point_of_a_triangle) {
 }
 END_TEST
 
-/* A sphere on the triangle: what contact_evaluate needs, no more. */
-typedef struct setting {
-    palp_tool tool;
-    contact_set set;
-    contact c;
-} setting;
-
 static void place(setting *s, const double position[3], double radius, double friction) {
-    memset(s, 0, sizeof *s);
-    s->tool = (palp_tool){.shape = PALP_TOOL_SPHERE, .radius_m = radius, .friction = friction};
-    memcpy(s->tool.position_m, position, sizeof s->tool.position_m);
-    s->set.pose = &s->tool;
-    s->set.settings.smoothing = 0.05;
-    s->set.edge = 2.0;
-    s->c = (contact){
-        .node = {0, 1, 2}, .corners = 3, .stiffness = 7.0, .entry = 1.0, .stick_share = {0.2, 0.5, 0.3}};
-}
-
-static double energy_at(setting *s, const double *x) {
-    contact_evaluate(&s->set, &s->c, x);
-    return contact_energy(&s->set, &s->c);
-}
-
-/* Pressure alone, on the nodes. */
-static void force_at(setting *s, const double *x, double force[9]) {
-    contact_evaluate(&s->set, &s->c, x);
-    for (int i = 0; i < 9; i++)
-        force[i] = s->c.share[i / 3] * s->c.pressure * s->c.normal[i % 3];
-}
-
-/* A central difference over h is off by its square; on a kink (two parts of the triangle, the smoothing's
- * end) by more. */
-static void check_derivatives(setting *s, double *x) {
-    const double h = 1e-5;
-    double force[9], low[9], high[9], block[9], unit[9], product[9];
-    force_at(s, x, force);
-    contact here = s->c;
-    for (int j = 0; j < 9; j++) {
-        double kept = x[j];
-        x[j] = kept + h;
-        double above = energy_at(s, x);
-        force_at(s, x, high);
-        x[j] = kept - h;
-        double below = energy_at(s, x);
-        force_at(s, x, low);
-        x[j] = kept;
-        ck_assert_double_eq_tol(force[j], -(above - below) / (2.0 * h), 1e-6);
-        memset(unit, 0, sizeof unit);
-        memset(product, 0, sizeof product);
-        unit[j] = 1.0;
-        contact_times(&here, unit, product);
-        for (int i = 0; i < 9; i++) {
-            contact_block(&here, i / 3, j / 3, block);
-            ck_assert_double_eq_tol(block[3 * (i % 3) + j % 3], -(high[i] - low[i]) / (2.0 * h), 1e-5);
-            ck_assert_double_eq_tol(block[3 * (i % 3) + j % 3], product[i], 1e-12);
-        }
-    }
+    palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = radius, .friction = friction};
+    memcpy(tool.position_m, position, sizeof tool.position_m);
+    place_alone(s, &tool);
 }
 
 /* _i: over the face, an edge and a corner; shallow, where the penalty is quadratic, and deep. */
@@ -128,7 +72,7 @@ START_TEST(pressure_is_the_slope_of_the_energy) {
             n += s.c.share[k] > 0.0;
         ck_assert_int_eq(n, corners[_i % 3]);
         ck_assert_double_eq_tol(s.c.depth, depth[_i / 3], 1e-12);
-        check_derivatives(&s, x);
+        check_derivatives(&s, x, 1e-6, 1e-5);
     }
 }
 END_TEST

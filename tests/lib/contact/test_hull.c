@@ -1,5 +1,6 @@
 /* test_hull.c: hulls: what is made of points, the distance to them, and one contact's force and tangent as
  * derivatives of its energy. */
+#include "contact_alone.h"
 #include "hull_make.h"
 
 static uint64_t seed = 5;
@@ -151,62 +152,11 @@ END_TEST
 
 /* ---- force and tangent ------------------------------------------------------------------------------ */
 
-typedef struct setting {
-    palp_tool tool;
-    contact_set set;
-    contact c;
-} setting;
-
 static void place(setting *s, const palp_hull *hull, const double position[3]) {
-    memset(s, 0, sizeof *s);
-    s->tool = hull_tool(hull, position[0], position[1], position[2], 0.3, 0.0);
-    turn_tool(&s->tool, (const double[]){0.6, 0.0, 0.8}, 0.7);
-    turn_tool(&s->tool, (const double[]){0.0, 0.28, 0.96}, -2.0);
-    s->set.pose = s->set.tool = &s->tool;
-    s->set.settings.smoothing = 0.05;
-    s->set.edge = 2.0;
-    s->c = (contact){.node = {0, 1, 2},
-                     .corners = 3,
-                     .stiffness = 7.0,
-                     .entry = 1.0,
-                     .share = {0.2, 0.5, 0.3},
-                     .stick_share = {0.2, 0.5, 0.3}};
-}
-
-static double energy_at(setting *s, const double *x) {
-    contact_evaluate(&s->set, &s->c, x);
-    return contact_energy(&s->set, &s->c);
-}
-
-static void force_at(setting *s, const double *x, double force[9]) {
-    contact_evaluate(&s->set, &s->c, x);
-    for (int i = 0; i < 9; i++)
-        force[i] = s->c.share[i / 3] * s->c.pressure * s->c.normal[i % 3];
-}
-
-static void check_derivatives(setting *s, double *x) {
-    const double h = 1e-5;
-    double force[9], low[9], high[9], block[9];
-    force_at(s, x, force);
-    contact here = s->c;
-    for (int j = 0; j < 9; j++) {
-        double kept = x[j], unit[9] = {0.0}, product[9] = {0.0};
-        x[j] = kept + h;
-        double above = energy_at(s, x);
-        force_at(s, x, high);
-        x[j] = kept - h;
-        double below = energy_at(s, x);
-        force_at(s, x, low);
-        x[j] = kept;
-        ck_assert_double_eq_tol(force[j], -(above - below) / (2.0 * h), 1e-8);
-        unit[j] = 1.0;
-        contact_times(&here, unit, product);
-        for (int i = 0; i < 9; i++) {
-            contact_block(&here, i / 3, j / 3, block);
-            ck_assert_double_eq_tol(block[3 * (i % 3) + j % 3], -(high[i] - low[i]) / (2.0 * h), 1e-7);
-            ck_assert_double_eq_tol(block[3 * (i % 3) + j % 3], product[i], 1e-12);
-        }
-    }
+    palp_tool tool = hull_tool(hull, position[0], position[1], position[2], 0.3, 0.0);
+    turn_tool(&tool, (const double[]){0.6, 0.0, 0.8}, 0.7);
+    turn_tool(&tool, (const double[]){0.0, 0.28, 0.96}, -2.0);
+    place_alone(s, &tool);
 }
 
 /* _i: at a face, an edge, a corner and inside; shallow, where the penalty is quadratic, and deep. A point of
@@ -230,7 +180,7 @@ START_TEST(pressure_is_the_slope_of_the_energy) {
     contact_evaluate(&s.set, &s.c, x);
     ck_assert_double_eq_tol(s.c.depth, feature < 3 ? depth : 0.4, 1e-12);
     ck_assert(s.c.round == (feature == 1 || feature == 2));
-    check_derivatives(&s, x);
+    check_derivatives(&s, x, 1e-8, 1e-7);
     palp_hull_free(hull);
 }
 END_TEST

@@ -71,11 +71,12 @@ static palp_region ball_in(double side, double stiffness) {
                          .stiffness = stiffness};
 }
 
+/* Candidates are the map's places, pressed by deeper times its depth. */
 static palp_palpation look(double side, double stiffness, double factor, double ball_stiffness,
-                           size_t n_candidates) {
+                           size_t n_candidates, double deeper) {
     const palp_region ball = ball_in(side, ball_stiffness);
     palp_palpation_settings settings = palp_palpation_settings_default();
-    palp_palpation_press map[PRESSES];
+    palp_palpation_press map[PRESSES], candidate[PRESSES];
     palp_palpation found;
     palp_error error = {PALP_OK, ""};
     tissue t;
@@ -83,7 +84,10 @@ static palp_palpation look(double side, double stiffness, double factor, double 
     make(&t, 5, side, stiffness, NULL);
     settings.contact.subdivisions = 1;
     settings.n_candidates = n_candidates;
-    settings.candidate = map;
+    settings.candidate = candidate;
+    memcpy(candidate, map, sizeof map);
+    for (size_t i = 0; i < n_candidates; i++)
+        candidate[i].depth_m *= deeper;
     const palp_status status = palp_palpate(&t.model, t.mesh, PRESSES, map, &settings, &found, &error);
     ck_assert_msg(!status, "%s", error.text);
     palp_mesh_free(t.mesh);
@@ -92,7 +96,7 @@ static palp_palpation look(double side, double stiffness, double factor, double 
 
 /* A stiff ball is found where it is, and the next press is above it rather than in the far corner. */
 START_TEST(ball_is_found) {
-    const palp_palpation p = look(0.024, 8.0, 1.3, 8.0, PRESSES);
+    const palp_palpation p = look(0.024, 8.0, 1.3, 8.0, PRESSES, 1.0);
     ck_assert_msg(p.found, "evidence %g", p.evidence);
     ck_assert_double_eq_tol(p.x_m.best, 0.35 * 0.024, 0.003);
     ck_assert_double_eq_tol(p.z_m.best, 0.6 * 0.024, 0.003);
@@ -104,22 +108,23 @@ START_TEST(ball_is_found) {
 }
 END_TEST
 
-/* Without a ball the evidence is against one. */
+/* Without a ball the evidence is against one. Candidates that press through the cube tell nothing. */
 START_TEST(none_is_found) {
-    const palp_palpation p = look(0.024, 8.0, 1.0, 1.0, 0);
+    const palp_palpation p = look(0.024, 8.0, 1.0, 1.0, 2, 30.0);
     ck_assert_msg(!p.found, "evidence %g", p.evidence);
-    ck_assert_uint_eq(p.next, 0);
+    ck_assert_uint_eq(p.next, 2);
 }
 END_TEST
 
 /* Lengths, stiffness and the forces' unit times factors change nothing else. */
 START_TEST(units_do_not_matter) {
-    const palp_palpation one = look(0.024, 8.0, 1.0, 8.0, 0), two = look(0.6, 3000.0, 7.0, 8.0, 0);
+    const palp_palpation one = look(0.024, 8.0, 1.0, 8.0, 0, 1.0), two = look(0.6, 3000.0, 7.0, 8.0, 0, 1.0);
     ck_assert_double_eq_tol(two.evidence, one.evidence, 0.02);
     ck_assert_double_eq_tol(two.x_m.best / 0.6, one.x_m.best / 0.024, 1e-3);
     ck_assert_double_eq_tol(two.y_m.high / 0.6, one.y_m.high / 0.024, 1e-2);
     ck_assert_double_eq_tol(two.stiffness.best, one.stiffness.best, 1e-6);
     ck_assert_double_eq_tol(two.gain / 7.0, one.gain, 1e-2);
+    ck_assert_uint_eq(one.next, 0);
 }
 END_TEST
 
