@@ -1,7 +1,7 @@
 /* bench_cut.c: 200 random cuts and tears of a lattice of 11 nodes a side that runs at 1 kHz within a budget.
- * Prints the time of a cut and of the ticks after it, the balance of forces, and the final force against a
- * new network of the same elements. Quartic law and two arms; the top plate moves up and down. Times are the
- * thread's own. */
+ * Prints the time of a cut and of the ticks after it, and the balance of forces. The final force is compared
+ * with that of a new network of the same elements. Quartic law and two arms; the top plate moves up and down.
+ * Times are the thread's own. */
 #include "bench.h"
 #include "network/network_internal.h"
 

@@ -62,9 +62,9 @@ typedef struct trajectory {
 #define TRAJECTORY_ACCELERATION_M_S2 50.0f
 enum { TRAJECTORY_FREQUENCY_MHZ = 100000 };
 
-/* PALP_WIRE_RESULT_DONE, or _RANGE for a segment that cannot be followed: an unknown kind, a rate,
- * acceleration, duration, frequency or amplitude of zero or beyond what the drive can do, no whole period
- * in a SWEEP, a wave of more than 65535 periods or 49 days, a force beyond force_N. */
+/* PALP_WIRE_RESULT_DONE, or _RANGE for a segment that cannot be followed. That is an unknown kind, or a rate,
+ * acceleration, duration, frequency or amplitude of zero or beyond what the drive can do. It is also a SWEEP
+ * without a whole period, a wave of more than 65535 periods or 49 days, or a force beyond force_N. */
 uint8_t trajectory_check(const palp_wire_segment *wire, float speed_m_s, float force_N);
 /* One that trajectory_check accepts; index < PALP_WIRE_SEGMENTS. */
 void trajectory_set(trajectory *t, uint8_t index, const palp_wire_segment *wire);

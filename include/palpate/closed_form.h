@@ -106,7 +106,7 @@ PALP_API palp_status palp_lumped_ramp_hold(const palp_material *material, double
 
 /* A small oscillation of a specimen of that height about a strain, in the steady state: depth d cos(w t), w =
  * 2 pi frequency, needs the force d (storage cos(w t) - loss sin(w t)). With x = w tau_j and the law's
- * tangent F', storage = (F'(e) + sum_j K_j x^2 / (1 + x^2)) / height and loss = (sum_j K_j x / (1 + x^2) +
+ * tangent F', storage = (F'(e) + sum_j K_j x^2 / (1 + x^2)) / height. The loss is (sum_j K_j x / (1 + x^2) +
  * dashpot w) / height. K_j and tau_j include beta, gamma and quasi_linear at the strain. The caller's
  * storage_N_m[n] and loss_N_m[n]; by H / A of a cylinder they are moduli. Errors of palp_material_check;
  * ERR_ARGUMENT: a height or a frequency not > 0, a strain not finite; ERR_UNSUPPORTED: PALP_SEDEF2008. */

@@ -52,8 +52,8 @@ PALP_API palp_status palp_experiment_set_number(palp_experiment *experiment, con
 PALP_API palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key,
                                                 const char *value);
 
-/* Joins runs that are spread over several files. A recording continues another one if it begins under load
- * at the time, depth and force at which that one ends, and is of the same specimen (specimen.name). of[i] is
+/* Joins runs that are spread over several files. A recording continues another one of the same specimen
+ * (specimen.name) if it begins under load at the time, depth and force at which that one ends. of[i] is
  * the recording that begins the run which recording i is a part of; i itself if it stands alone. whole[i] is
  * the joined run where one begins at i, which the caller frees, and NULL elsewhere. A joined run has the
  * rows of its parts in turn, the columns that all parts have, and the keys of the first part. From the last

@@ -232,8 +232,8 @@ typedef struct palp_explanation {
 PALP_API void palp_explanation_free(palp_explanation *explanation); /* NULL is fine */
 
 /* The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the law of the given
- * family that is nearest. evidence_se is paired over what is left out in turn: each run, or each eighth of a
- * single one. An effect that does not help to predict that is not accepted.
+ * family that is nearest. evidence_se is paired over the parts that are omitted in turn: each run, or each
+ * eighth of a single one. An effect that does not help to predict that is not accepted.
  * ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network with mass, or a model
  * that is not PALP_HISTORY; ERR_LIMIT: more effects in the model than can be added to. */
 PALP_API palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
@@ -257,15 +257,15 @@ typedef struct palp_explain_choice {
     bool no_spline;      /* the spline does not compete: one of the laws is taken */
 } palp_explain_choice;
 
-/* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy: arms as long as
- * one more gains what settings->false_alarm wants, driven by the strain or by the elastic force
- * (quasi-linear), and the law of the largest evidence. specimen: height and radius, to which all runs are
- * scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's to free:
- * of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0. Specimens are
- * numbered as they come first among the inputs (specimen.name); with one, fit has the mean alone. n_spread is
- * 1 if they differ: all stiffnesses of one by a factor, all times, and the law alone. settings: false_alarm,
- * contact, loop, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline without a law; errors of
- * palp_explain. */
+/* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy. Arms are added as
+ * long as one more gains what settings->false_alarm wants. They are driven by the strain or by the elastic
+ * force (quasi-linear). The law is that of the largest evidence. specimen: height and radius, to which all
+ * runs are scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's
+ * to free: of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0.
+ * Specimens are numbered as they come first among the inputs (specimen.name); with one, fit has the mean
+ * alone. n_spread is 1 if they differ: all stiffnesses of one by a factor, all times, and the law alone.
+ * settings: false_alarm, contact, loop, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline without a
+ * law; errors of palp_explain. */
 PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
                                            const palp_explain_input *inputs,
                                            const palp_explain_settings *settings,

@@ -78,11 +78,11 @@ typedef enum palp_mesh_scaling {
     PALP_SCALING_NONE,   /* all factors 1: what K means depends on the mesh */
     PALP_SCALING_VOLUME, /* s = V / (L area), V the volume of the tetrahedra around the edge (Van Gelder 1998)
                           */
-    PALP_SCALING_CONTINUUM /* tetrahedra: elements across the faces too, between the corners opposite a face
-                              that two tetrahedra share, and factors fitted to the nodal forces of the evenly
-                              strained solid, by least squares, none below a fifth of its part by volume
-                              (doc/meshes.md); hexahedra, as those of a lattice: each gives its elements what
-                              makes it isotropic (doc/numerics.md) */
+    PALP_SCALING_CONTINUUM /* Tetrahedra have elements across the faces too, between the corners opposite a
+                              face that two tetrahedra share. The factors are fitted to the nodal forces of
+                              the evenly strained solid, none below a fifth of its part by volume
+                              (doc/meshes.md). Each hexahedron, as those of a lattice, gives its elements
+                              what makes it isotropic (doc/numerics.md). */
 } palp_mesh_scaling;
 
 /* Scales the elements, once. area_m2 = 0: the mesh's volume over its height (y). ERR_UNSUPPORTED if an edge

@@ -44,9 +44,10 @@ typedef struct palp_network_settings {
                              arrays, is shared by the rest length of a node's elements */
     double volume_modulus_Pa; /* k of the energy k (J - 1 - ln J) per volume of the mesh's tetrahedra, J the
                                  ratio of present volume to rest volume; 0 = no resistance to volume change */
-    double poisson_ratio; /* 0.25 to below 0.5: instead, k of the mesh's hexahedra, or else tetrahedra, makes
-                             the network scaled as a continuum a solid of this ratio at rest, with the shear
-                             modulus of its springs; k follows the law. 0 = none: springs have 1/4 */
+    double poisson_ratio;     /* 0.25 to below 0.5, instead of volume_modulus_Pa: the network, scaled as a
+                                 continuum, is a solid of this ratio at rest with its springs' shear
+                                 modulus. k of hexahedra, or else tetrahedra, follows the law. 0 = none:
+                                 springs have 1/4 */
     palp_integrator integrator;
     double spectral_radius; /* generalized alpha: 0 (damps most) to 1 */
     double check_strain; /* the tangent's inertia is assessed at least at this interval of depth / height */

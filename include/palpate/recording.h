@@ -86,9 +86,9 @@ typedef struct palp_recording {
 } palp_recording;
 
 /* Prepares an experiment; name is copied (the file's name, for messages). ERR_INPUT with a line for a
- * recording that cannot be used: depth or force in the wrong sign, no motion, no height, a depth beyond it,
- * force that never exceeds its noise, fewer than 16 samples, numbers that are not finite, times that do not
- * increase. */
+ * recording that cannot be used: depth or force in the wrong sign, no motion, no height, a depth beyond it.
+ * Also force that never exceeds its noise, fewer than 16 samples, numbers that are not finite, or times that
+ * do not increase. */
 PALP_API palp_status palp_recording_prepare(const palp_experiment *experiment, const char *name,
                                             const palp_recording_settings *settings,
                                             palp_recording *recording, palp_error *error);

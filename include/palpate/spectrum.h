@@ -25,10 +25,10 @@ typedef struct palp_spectrum {
 
 /* The spectrum of a recording: each cycle and sweep of its path (palp_segments_pieces) is cut into
  * stretches. A stretch spans a quarter of an octave, or three cycles if those take longer, and at most a
- * hundred cycles. Path and force of a stretch are fitted by the driven frequency with its rate of change,
- * changes of amplitude, the first two harmonics and a slow drift. Storage and loss are the ratio of force to
- * path at the driven frequency. Left out are the first and last cycle, the first quarter of cycles of
- * constant length, and stretches without contact. n = 0 if nothing oscillates. palp_spectrum_free.
+ * hundred cycles. Path and force of a stretch are fitted by the driven frequency with its rate of change.
+ * The fit includes changes of amplitude, the first two harmonics and a slow drift. Storage and loss are the
+ * ratio of force to path at the driven frequency. Left out are the first and last cycle, the first quarter of
+ * cycles of constant length, and stretches without contact. n = 0 if nothing oscillates. palp_spectrum_free.
  * ERR_ARGUMENT, ERR_NO_MEMORY. */
 PALP_API palp_status palp_spectrum_measure(const palp_recording *recording, palp_spectrum *spectrum);
 PALP_API void palp_spectrum_free(palp_spectrum *spectrum); /* frees what is owned, zeroes; NULL is fine */

@@ -44,8 +44,8 @@ enum { SEGMENTS_ORDER_MAX = 10 };
 palp_status segments_smooth_by_order(size_t order, size_t n, const double *time, double *depth,
                                      double *noise);
 
-/* Whether sample i is usable: time (s), depth (mm) and force (N) are finite and within 1e12, so that sums of
- * squares stay finite, and its time is after that of the sample before. */
+/* Whether sample i is usable: its time is after that of the sample before, and time (s), depth (mm) and force
+ * (N) are within 1e12. So sums of squares stay finite. */
 bool segments_sample_valid(const double *time, const double *depth, const double *force, size_t i);
 
 #endif

@@ -13,8 +13,8 @@ static double sum_geometric_series(double p, double u, double h, double *slope) 
     return exp(p * u) * (1.0 + ratio);
 }
 
-/* value: c, a. t^-a / Gamma(1-a) = sin(pi a) / pi * integral of exp(a u - e^u t) du by the trapezoidal rule,
- * which converges exponentially in 1 / h. Each remainder is one mode with the same first two moments. For
+/* value: c, a. t^-a / Gamma(1-a) = sin(pi a) / pi * integral of exp(a u - e^u t) du by the trapezoidal rule.
+ * It converges exponentially in 1 / h. Each remainder is one mode with the same first two moments. For
  * slow modes this keeps their effect at long times, for fast ones their viscosity. */
 static void find_power_law_modes(const double *value, const effect_range *range, effect_mode *mode) {
     const size_t inner = range->n - 2;

@@ -113,9 +113,10 @@ void mesh_parts_of_solids(const palp_mesh *mesh, const double *part, double *of_
 void mesh_sweep_factors(size_t n, size_t components, const double *count, const double *tensor,
                         const double *length, const double *least, double *factor, double *missing);
 
-/* Widths of strips, m, into width[n_elements]: springs along the edges of the surface, as stiff as strips of
- * these widths, are an isotropic membrane (Poisson's ratio 1/3) on the triangles whose nodes are all
- * listed[n_nodes]; NULL: on all. Exact for rectangles with both diagonals, by least squares for triangles. */
+/* Widths of strips, m, into width[n_elements]. Springs along the edges of the surface, as stiff as strips of
+ * these widths, are an isotropic membrane (Poisson's ratio 1/3). It covers the triangles whose nodes are all
+ * listed[n_nodes]; NULL: all triangles. Exact for rectangles with both diagonals, by least squares for
+ * triangles. */
 palp_status mesh_membrane_widths(const palp_mesh *mesh, const unsigned char *listed, double *width);
 
 /* Mean by volume over the solids that have both nodes of an element, or are beside the face that it crosses,

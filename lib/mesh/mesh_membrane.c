@@ -59,8 +59,8 @@ static void make_frame(const palp_mesh *mesh, const int32_t *t, const double nor
             normal[(k + 1) % 3] * frame[0][(k + 2) % 3] - normal[(k + 2) % 3] * frame[0][(k + 1) % 3];
 }
 
-/* Least squares of the patch's stiffness less the membrane's by positive widths, then all by one factor so
- * that an even stretch takes the membrane's energy. */
+/* Fits positive widths to the membrane's stiffness by least squares. Then scales all by one factor, so that
+ * an even stretch takes the membrane's energy. */
 static void fit_widths(patch *p) {
     static const double least[SPRINGS] = {0.0};
     double missing[QUARTIC], sum = 0.0;

@@ -115,7 +115,7 @@ static palp_status number_free_unknowns(palp_network *net, size_t n, const palp_
 }
 
 /* A quarter of each tetrahedron's mass goes to each corner. Hexahedra and meshes without cells (as large as
- * their box) divide mass by the rest length of a node's elements, as tetrahedra of hexahedra favour some
+ * their box) divide mass by the rest length of a node's elements: tetrahedra of hexahedra would favour some
  * corners. */
 static void share_mass_among_nodes(palp_network *net) {
     double low[3], high[3], total = 0.0, volume = mesh_volume(net->mesh, net->mass);

@@ -222,8 +222,8 @@ double network_mean_of_materials(const palp_network *net, size_t element,
 /* Has a material a dashpot beside its spring? */
 bool network_has_dashpot(const palp_network *net);
 
-/* What each of n solids has of a quantity that is proportional to stiffness, where each region has this value
- * of it and what is in none value[n_regions]. per_solid of the n are one of mesh_solids. */
+/* The mean over each of n solids of a quantity that is proportional to stiffness. value[r] is that of region
+ * r, value[n_regions] that of all else. per_solid of the n are one of mesh_solids. */
 void network_mean_of_solids(const palp_network *net, const double value[PALP_REGIONS_MAX + 1], size_t n,
                             size_t per_solid, double *mean);
 

@@ -29,8 +29,9 @@ static const double MARGIN = 0.5;
 static const double LITTLE = 0.1;
 /* Above this share of the allowed error the next tick evaluates the tangent, as it may have to correct. */
 static const double NEAR = 0.7;
-/* The nodes may be off by so many times the last correction, and with none friction's forces by so many times
- * the error of the tick. A correction that halves the error leaves as much as it was itself. */
+/* The nodes may be off by so many times the last correction. Without a correction, friction's forces may be
+ * off by so many times the error of the tick. A correction that halves the error leaves as much as it was
+ * itself. */
 static const double ANCHORED = 3.0;
 /* No budget ends a tick whose residual is above this multiple of the elements' forces. */
 static const double LOST = 1.0;
@@ -284,7 +285,7 @@ static double secant_part_of_move(double at_low, double at_high) {
 }
 
 /* next.x = start + move. Backtracks if the network cannot be evaluated, or if the energy rises too steeply at
- * the end of the move, as where a contact stiffens or begins to stick. */
+ * the end of the move. It does so where a contact stiffens or begins to stick. */
 static bool go_along_search_direction(palp_realtime *rt, tick *t) {
     palp_network *net = rt->net;
     double alpha = 1.0, start = realtime_clock();
@@ -380,9 +381,9 @@ static palp_status continue_at_tool_share(palp_realtime *rt, tick *t, double sha
 }
 
 /* Arms relax at positions that have an error, and remember the force of that. With the error d of the
- * positions after a tick, arm j of stiffness K_j is off by K_j (d - m), where m <- decay_j m + (1 - decay_j)
- * d from tick to tick: a weighted mean of earlier errors. K_j m moves the nodes by no more than m times the
- * arm's share of the stiffness, which is itself part of the next d. For the plate the force of that is of
+ * positions after a tick, arm j of stiffness K_j is off by K_j (d - m). m is a weighted mean of earlier
+ * errors: m <- decay_j m + (1 - decay_j) d from tick to tick. K_j m moves the nodes by no more than m times
+ * the arm's share of the stiffness, which is itself part of the next d. For the plate the force of that is of
  * first order, as arms and springs have different equilibria. Of several materials the worst counts. */
 static void remember_position_errors(palp_realtime *rt, const tick *t) {
     const palp_network *net = rt->net;

@@ -12,8 +12,8 @@ typedef struct levenberg {
     const double *low, *high; /* [n] bounds */
     const double *reach;      /* [n] the longest step of a coordinate */
     /* The search ends when an evaluation lowers chi2 by less than stop_absolute + stop_relative chi2, or
-     * raises it by less than stop_rise, and before one that is expected to lower it by less than
-     * stop_expected. */
+     * raises it by less than stop_rise. It ends before an evaluation that is expected to lower chi2 by less
+     * than stop_expected. */
     double stop_absolute, stop_relative, stop_rise, stop_expected;
     /* h[n n], g[n] and chi2 at x[n]. ERR_NO_MEMORY ends the search; after any other error a shorter step is
      * tried. */

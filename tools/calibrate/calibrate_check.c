@@ -54,8 +54,8 @@ static double squared(const double *a, const double *b) {
     return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]);
 }
 
-/* The node of the top nearest to its middle, and the middle of the longest edge of a triangle there, which in
- * a lattice is the middle of a cell. */
+/* The node of the top nearest to its middle, and the middle of the longest edge of a triangle there. In a
+ * lattice that is the middle of a cell. */
 static palp_status choose_places(check_state *c) {
     const double *x = palp_mesh_positions(c->mesh),
                  middle[3] = {0.5 * (c->low[0] + c->high[0]), c->high[1], 0.5 * (c->low[2] + c->high[2])};

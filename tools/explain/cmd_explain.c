@@ -126,8 +126,8 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
     return code;
 }
 
-/* The fit's law holds as deep as the runs go; that they go beyond what the given one was measured to is told,
- * but for the little by which contacts differ. */
+/* The fit's law holds as deep as the runs go. A warning says where they go beyond the measured range of the
+ * given law by more than contacts differ. */
 static void extend_range(palp_model *model, size_t n, palp_experiment *const *run) {
     palp_law *law = &model->material.law;
     double deepest = 0, given = law->strain_max;
@@ -159,7 +159,7 @@ static void show_progress(void *user, double share) {
     pthread_mutex_unlock(&w->lock);
 }
 
-/* Ctrl-C ends the search, and what it has found is told; once more, it ends the command. */
+/* Ctrl-C ends the search, and its findings are printed; once more, it ends the command. */
 static volatile sig_atomic_t stop_wanted;
 static struct sigaction before_stop;
 

@@ -1,6 +1,6 @@
 /* board.c: the firmware's view of the STM32F405 under QEMU. Tick, startup, watchdog and reset are those of
- * the real board. Sensors, motor and the line to the host are the plant at the other end of two FIFOs, since
- * QEMU makes a dozen system calls for each byte that its UART sends. Run it by qemu-system-arm -M
+ * the real board. Sensors, motor and the line to the host are the plant at the other end of two FIFOs: QEMU
+ * makes a dozen system calls for each byte that its UART sends. Run it by qemu-system-arm -M
  * netduinoplus2 -kernel rig.elf -display none -monitor none -serial none -icount shift=3,sleep=off
  * -semihosting-config enable=on,target=native,arg=PLANT_TO_FIRMWARE,arg=FIRMWARE_TO_PLANT,arg=FLASH. The
  * FIFOs must exist before, without a space in their names; the plant opens them in the same order. FLASH, a

@@ -251,8 +251,8 @@ START_TEST(clipping_is_a_flat_top_while_the_plate_moves) {
 }
 END_TEST
 
-/* With a converter of ten steps over the rise, the force stays at its largest value for a third of the
- * travel, in which it should rise by three steps. */
+/* A converter of ten steps over the rise. The force stays at its largest value for a third of the travel, in
+ * which it should rise by three steps. */
 START_TEST(a_coarse_converter_is_not_clipping) {
     for (size_t flat = 290; flat <= 320; flat += 30) {
         made *m = make(1001);

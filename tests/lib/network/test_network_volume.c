@@ -151,7 +151,7 @@ static double to_and_fro(int i) {
 }
 
 /* The preconditioner includes the tetrahedra. One correction after each step of an oscillating plate leaves a
- * tenth of the error without them (1.4e-4 of the peak with 7 nodes a side and one level, 1.9e-4 with 11). A
+ * tenth of the error without them: 1.4e-4 of the peak with 7 nodes a side and one level, 1.9e-4 with 11. A
  * restored state continues with the same bits. */
 START_TEST(preconditioned) {
     const palp_budget all = {.force_error = 1e-9}, one = {.corrections = 1};

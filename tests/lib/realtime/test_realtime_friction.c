@@ -46,8 +46,8 @@ START_TEST(more_corrections_help) {
 }
 END_TEST
 
-/* On a subdivided surface and local points the estimate holds as well, and one correction leaves less than
- * half of what it does on whole triangles. */
+/* On a subdivided surface and local points the estimate holds as well. One correction leaves less than half
+ * the error that it leaves on whole triangles. */
 START_TEST(smooth_surface) {
     enum { N = 600 };
     static double truth[N][3];

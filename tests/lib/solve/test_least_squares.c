@@ -197,7 +197,7 @@ START_TEST(nothing_has_influence) {
 }
 END_TEST
 
-/* The limit of evaluations is kept, the result is never worse than the guess, and a fit that ran out of
+/* The limit of evaluations is kept, and the result is never worse than the guess. A fit that ran out of
  * evaluations is not reported as converged. */
 START_TEST(evaluation_limit) {
     for (size_t limit = 1; limit <= 12; limit++) {
