@@ -14,10 +14,22 @@
 extern "C" {
 #endif
 
-enum { PALP_EXPLAIN_EFFECTS = 6, PALP_EXPLAIN_PHASE_SHARES = 64, PALP_EXPLAIN_REASON = 160 };
+enum {
+    PALP_EXPLAIN_EFFECTS = 6,
+    PALP_EXPLAIN_PHASE_SHARES = 64,
+    PALP_EXPLAIN_REASON = 160,
+    PALP_EXPLAIN_NEXT_RUNS = 4
+};
 
 /* Runs task(work, i) for all i < n, in any order and at once if it likes; returns after the last. */
 typedef void palp_explain_loop(void *user, size_t n, void (*task)(void *work, size_t i), void *work);
+
+/* What the next experiment may do; 0: what the runs did. */
+typedef struct palp_explain_limits {
+    double depth_m, rate_m_s; /* deepest place and fastest motion of the plate */
+    double time_s;            /* of the whole experiment; 0: as long as the session so far */
+    double rest_s;            /* before each of its runs; 0: the mean pause between the runs */
+} palp_explain_limits;
 
 typedef struct palp_explain_settings {
     size_t max_effects;        /* 4; at most PALP_EXPLAIN_EFFECTS */
@@ -26,6 +38,7 @@ typedef struct palp_explain_settings {
     palp_contact_form contact; /* FREE; KNOWN: every recorded contact is exact; COMMON: all are off by the
                                   same, if at all */
     unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a candidate; all of them */
+    palp_explain_limits next;                   /* of the next experiment; all 0 */
     size_t n_held_out;                          /* runs kept out of the fit; 0 = each in turn */
     const size_t *held_out;                     /* [n_held_out] indices, caller's */
     palp_explain_loop *loop;                    /* NULL = one after the other; the result is the same */
@@ -189,15 +202,26 @@ typedef struct palp_explain_run {
         stiffness; /* how many times as stiff its specimen is as the model; 1 where specimens do not differ */
 } palp_explain_run;
 
-/* The run that would tell a class apart best, of those the indenter can do. */
+/* A run of the next experiment. */
+typedef struct palp_explain_next_run {
+    const char *kind; /* as in a protocol file: "ramp_hold", "cyclic" or "free" */
+    double depth_mm, rate_mm_s, hold_s;
+    size_t cycles;
+    double time_s; /* how long it takes */
+} palp_explain_next_run;
+
+/* The experiment that is expected to tell most about which effect of a class is the true one, within the
+ * limits. */
 typedef struct palp_explain_next {
     bool wanted;
-    const char *kind; /* as in a protocol file: "cyclic", ... */
-    double depth_mm, rate_mm_s, ramp_s, hold_s;
-    size_t cycles;
-    palp_effect_id between[2];
-    double separation_N; /* expected rms difference */
-    double nats;         /* expected log odds between the two after it */
+    size_t n_runs; /* 0: none tells anything */
+    palp_explain_next_run run[PALP_EXPLAIN_NEXT_RUNS];
+    palp_effect_id between[2]; /* the accepted effect, and the most probable other one */
+    double separation_N;       /* expected rms difference of these two in the first run */
+    double nats;               /* expected log odds between these two, whichever is true */
+    double information;        /* about the class: share of what is unknown that it removes at least */
+    double time_s;             /* with the rests, */
+    double rest_s;             /* each before a run */
 } palp_explain_next;
 
 /* The result; palp_explanation_free. */

@@ -1,57 +1,115 @@
-/* explain_next.c: the run that would tell two look-alikes apart best, of those the indenter can do. */
+/* explain_next.c: the runs that an indenter can do within limits, and how far two models are apart in one. */
 #include "explain_result.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-enum { SAMPLES = EXPLAIN_PATH };
-static const double AIR = 0.3; /* of the deepest: where a run starts and ends */
-
-/* Depths relative to the deepest so far, rates to the fastest, holds to the longest run. */
-typedef struct protocol {
-    const char *kind;
-    double depth, rate, hold;
-    size_t cycles;
-} protocol;
-
-static const protocol protocols[EXPLAIN_PROTOCOLS] = {
-    {"ramp_hold", 1.0, 1.0, 3.0, 0}, {"ramp_hold", 0.5, 1.0, 3.0, 0}, {"ramp_hold", 1.0, 0.03, 0.6, 0},
-    {"static", 1.0, 0.03, 0.02, 0},  {"cyclic", 1.0, 0.3, 0.0, 4},    {"cyclic", 0.6, 0.8, 0.0, 10},
-    {"cyclic", 1.2, 0.3, 0.0, 2},    {"free", 0.6, 0.8, 0.05, 0},
+enum {
+    DEPTHS = 3,
+    RATES = 4,
+    TIMES = 4,
+    FEWEST = 16 /* samples of a path */
 };
+static const double AIR = 0.3; /* of the largest depth: where a run starts and ends */
+static const size_t cycles[] = {1, 4, 16};
 
-/* Straight to a depth. */
-static void go(explain_path *p, double depth, double seconds, size_t samples) {
-    double t = p->time[p->n - 1], d = p->depth[p->n - 1];
-    for (size_t k = 1; k <= samples && p->n < SAMPLES; k++) {
-        double part = (double)k / (double)samples;
+/* The pauses between runs are what the session has beside them. */
+palp_explain_limits explain_limits_find(const palp_explain_limits *given, const explain_data *data) {
+    palp_explain_limits l = *given;
+    double pressed = 0.0, shortest = data->duration;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        const explain_run *run = &data->run[r];
+        pressed += run->time[run->n - 1] - run->time[0];
+        shortest = fmin(shortest, run->time[run->n - 1] - run->time[0]);
+    }
+    l.depth_m = l.depth_m > 0.0 ? l.depth_m : data->deepest;
+    l.rate_m_s = l.rate_m_s > 0.0 ? l.rate_m_s : data->fastest;
+    l.rest_s = l.rest_s > 0.0 ? l.rest_s : fmax(0.0, data->span - pressed) / (double)data->n_runs;
+    l.time_s = l.time_s > 0.0 ? l.time_s : fmax(data->span, pressed) + l.rest_s;
+    return l;
+}
+
+static bool add(const palp_explain_limits *l, explain_protocol p, explain_protocol *list, size_t *n) {
+    const bool fits = p.duration <= l->time_s - l->rest_s && *n < EXPLAIN_PROTOCOLS;
+    if (fits)
+        list[(*n)++] = p;
+    return fits;
+}
+
+/* Ramps at one speed to one depth, with dwells that make the run last as long as is allowed, and shorter. */
+static void add_holds(const palp_explain_limits *l, double depth, double rate, explain_protocol *list,
+                      size_t *n) {
+    const double way = depth * (1.0 + AIR), ramps = way / rate + way / l->rate_m_s;
+    explain_protocol p = {.depth = depth, .rate = rate};
+    double lasts = l->time_s - l->rest_s;
+    for (size_t k = 0; k < TIMES && lasts > ramps; k++, lasts /= 4.0) {
+        p.hold = lasts - ramps;
+        p.duration = lasts;
+        add(l, p, list, n);
+    }
+}
+
+size_t explain_protocols_list(const palp_explain_limits *l, explain_protocol *list) {
+    size_t n = 0;
+    double rate = l->rate_m_s;
+    for (size_t v = 0; v < RATES; v++, rate /= 4.0) {
+        double depth = l->depth_m;
+        for (size_t d = 0; d < DEPTHS; d++, depth /= 2.0) {
+            add_holds(l, depth, rate, list, &n);
+            for (size_t c = 0; c < sizeof cycles / sizeof cycles[0]; c++)
+                add(l,
+                    (explain_protocol){.cycles = cycles[c],
+                                       .depth = depth,
+                                       .rate = rate,
+                                       .duration = 2.0 * depth * ((double)cycles[c] + AIR) / rate},
+                    list, &n);
+        }
+        add(l,
+            (explain_protocol){
+                .air = true, .depth = l->depth_m, .rate = rate, .duration = 2.0 * l->depth_m / rate},
+            list, &n);
+    }
+    return n;
+}
+
+/* Straight to a depth, by at most so many samples. growth: of their distances from one to the next. */
+static void go(const explain_data *data, double depth, double seconds, size_t most, double growth,
+               explain_path *p) {
+    const double t = p->time[p->n - 1], d = p->depth[p->n - 1];
+    const double fine = floor(seconds / data->step);
+    const size_t n = fine < 2.0 ? 2 : fine < (double)most ? (size_t)fine : most;
+    const double all = growth > 1.0 ? pow(growth, (double)n) - 1.0 : (double)n;
+    for (size_t k = 1; k <= n && p->n < EXPLAIN_PATH; k++) {
+        const double part = (growth > 1.0 ? pow(growth, (double)k) - 1.0 : (double)k) / all;
         p->time[p->n] = t + seconds * part;
+        p->samples[p->n] = fmax(1.0, (p->time[p->n] - p->time[p->n - 1]) / data->step);
         p->depth[p->n++] = d + (depth - d) * part;
     }
 }
 
-void explain_path_find(size_t k, const explain_data *data, explain_path *p) {
-    const protocol *q = &protocols[k];
-    bool is_air = strcmp(q->kind, "free") == 0;
-    const double air = AIR * data->deepest, rate = q->rate * data->fastest, hold = q->hold * data->duration;
-    double top = is_air ? -air - q->depth * data->deepest : q->depth * data->deepest, way = fabs(top + air);
+void explain_path_find(const explain_protocol *q, const explain_data *data, size_t most, explain_path *p) {
+    const double air = -AIR * q->depth, top = q->air ? air - q->depth : q->depth, way = fabs(top - air);
+    const size_t rounds = q->cycles ? q->cycles : 1,
+                 all = most < FEWEST         ? FEWEST
+                       : most > EXPLAIN_PATH ? EXPLAIN_PATH
+                                             : most,
+                 each = all / (2 * rounds + (q->hold > 0.0 ? 1 : 0) + 1);
+    const double back = q->hold > 0.0 ? fmax(q->rate, data->fastest) : q->rate;
     p->n = 1;
     p->time[0] = 0.0;
-    p->depth[0] = -air;
-    go(p, -air, 0.01 * data->duration, 10);
-    for (size_t c = 0; c < (q->cycles ? q->cycles : 1); c++) {
-        go(p, top, way / rate, 60);
-        if (hold > 0.0)
-            go(p, top, hold, 200);
-        if (c + 1 < q->cycles)
-            go(p, 0.0, top / rate, 60);
+    p->depth[0] = air;
+    p->samples[0] = 1.0;
+    go(data, air, 2.0 * data->step, 2, 1.0, p);
+    for (size_t c = 0; c < rounds; c++) {
+        go(data, top, (c ? q->depth : way) / q->rate, each, 1.0, p);
+        if (q->hold > 0.0)
+            go(data, top, q->hold, each, pow(q->hold / data->step, 1.0 / (double)each), p);
+        if (c + 1 < rounds)
+            go(data, 0.0, q->depth / q->rate, each, 1.0, p);
     }
-    go(p, -air, way / rate, 60);
-    go(p, -air, 0.05 * data->duration, 20);
+    go(data, air, way / back, each, 1.0, p);
+    go(data, air, 2.0 * data->step, 2, 1.0, p);
 }
 
-/* rms of the difference that is left once the run's own zero and gain are free: what cannot be scatter. */
 double explain_separation(const explain_path *p, const double *a, const double *b) {
     double aa = 0.0, ad = 0.0, sa = 0.0, sd = 0.0, dd = 0.0, n = 0.0;
     for (size_t i = 1; i < p->n; i++) {
@@ -69,13 +127,13 @@ double explain_separation(const explain_path *p, const double *a, const double *
     return sqrt(fmax(0.0, left) / n);
 }
 
-palp_explain_next explain_next_of(size_t k, const explain_data *data) {
-    const protocol *q = &protocols[k];
-    const bool ramp = strcmp(q->kind, "ramp_hold") == 0, air = strcmp(q->kind, "free") == 0;
-    return (palp_explain_next){.wanted = true,
-                               .kind = q->kind,
-                               .hold_s = ramp || air ? q->hold * data->duration : 0.0,
-                               .depth_mm = 1e3 * q->depth * data->deepest,
-                               .rate_mm_s = 1e3 * q->rate * data->fastest,
-                               .cycles = q->cycles};
+palp_explain_next_run explain_next_run_of(const explain_protocol *q) {
+    return (palp_explain_next_run){.kind = q->air      ? "free"
+                                           : q->cycles ? "cyclic"
+                                                       : "ramp_hold",
+                                   .hold_s = q->hold,
+                                   .depth_mm = 1e3 * q->depth,
+                                   .rate_mm_s = 1e3 * q->rate,
+                                   .cycles = q->cycles,
+                                   .time_s = q->duration};
 }

@@ -11,17 +11,34 @@ void explain_keep_residual(const double *residual, palp_explanation *e, bool bef
 
 void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N);
 
-/* ---- what to run next ---- */
+/* ---- what to run next (explain_next.c) ---- */
 
-/* Runs that the indenter can do (explain_next.c): the path of the k-th, how it is told, and the rms of the
- * difference of two forces along it that is left once the run's own zero and gain are free. */
-enum { EXPLAIN_PROTOCOLS = 8, EXPLAIN_PATH = 2000 };
+enum { EXPLAIN_PROTOCOLS = 96, EXPLAIN_PATH = 512 };
+
+/* A run that the indenter can do. */
+typedef struct explain_protocol {
+    bool air;              /* the plate goes up instead of down, and touches nothing */
+    size_t cycles;         /* 0: a ramp and hold */
+    double depth, rate;    /* m, m/s */
+    double hold, duration; /* s */
+} explain_protocol;
+
+/* Its samples. Each stands for some of those that would be recorded. */
 typedef struct explain_path {
     size_t n;
-    double time[EXPLAIN_PATH], depth[EXPLAIN_PATH];
+    double time[EXPLAIN_PATH], depth[EXPLAIN_PATH], samples[EXPLAIN_PATH];
 } explain_path;
-void explain_path_find(size_t k, const explain_data *data, explain_path *p);
-palp_explain_next explain_next_of(size_t k, const explain_data *data);
+
+/* The limits with those that the runs show in place of 0. */
+palp_explain_limits explain_limits_find(const palp_explain_limits *given, const explain_data *data);
+/* The runs to choose from, list[EXPLAIN_PROTOCOLS]: all kinds, with depth, speed and time from the limits
+ * down, by factors of 2 and 4. Returns how many. */
+size_t explain_protocols_list(const palp_explain_limits *limits, explain_protocol *list);
+/* At most this many samples of its path (at least 16), none nearer than those of the data. */
+void explain_path_find(const explain_protocol *protocol, const explain_data *data, size_t most,
+                       explain_path *path);
+palp_explain_next_run explain_next_run_of(const explain_protocol *protocol);
+/* The rms of the difference of two forces along a path, once the run's own zero and gain are free. */
 double explain_separation(const explain_path *p, const double *a, const double *b);
 
 /* ---- diagnostics (explain_diagnostics.c) ---- */

@@ -35,8 +35,8 @@ palp_status infer_law_find(const infer_search *s, const palp_model *given, palp_
 
 palp_status infer_describe(infer_search *s, palp_explanation *e);
 
-/* The run of which one is expected to tell most between out->effect and another one of its class.
- * (infer_next.c) */
+/* The experiment that is expected to tell most about which effect of the class of out->effect is the true
+ * one, if that is more than *next tells. (infer_next.c) */
 palp_status infer_next_find(const infer_search *full, const infer_search *rest,
                             const palp_explain_effect *out, palp_explain_next *next);
 

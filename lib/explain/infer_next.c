@@ -1,5 +1,5 @@
-/* infer_next.c: the run of which one expects most: what its forces by one set of effects would say against
- * another set, all that a run has of its own and what the parameters leave open taken into account. */
+/* infer_next.c: the experiment that is expected to tell most about which set of effects is the true one. All
+ * that a run has of its own and what the parameters leave open is taken into account. */
 #include "infer_answer.h"
 #include "explain_result.h"
 
@@ -7,22 +7,50 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { CAUSES = 4 }; /* the most probable ones of a class */
+
 /* The runs that were measured, and after them those that could be. */
 typedef struct next_runs {
+    palp_explain_limits limits;
+    size_t n_before, n; /* measured, possible */
+    explain_protocol protocol[EXPLAIN_PROTOCOLS];
     explain_data data;
-    explain_path *path; /* [EXPLAIN_PROTOCOLS] */
-    double *force;      /* [EXPLAIN_PROTOCOLS EXPLAIN_PATH] by the other set */
+    explain_path *path; /* [n] */
+    double *force;      /* [n EXPLAIN_PATH] that they record */
     double *stood;      /* likewise, for how long the plate stands still */
     unsigned char *use;
-    bool *done; /* the other set gives a force */
+    bool chosen[EXPLAIN_PROTOCOLS], lost[EXPLAIN_PROTOCOLS]; /* lost: some cause predicts no force */
 } next_runs;
+
+/* A set of effects that may be the true one. */
+typedef struct next_cause {
+    palp_effect_id id;
+    const infer_fit *measured;
+    double probability;
+    double *force; /* [n EXPLAIN_PATH] that it predicts */
+    infer_fit fit; /* with the columns of the possible runs */
+    double chi2;   /* of the measured runs */
+    double *other; /* [CAUSES n m] products of the residuals with the columns, if that cause is true */
+} next_cause;
+
+typedef struct next_class {
+    size_t n;
+    next_cause cause[CAUSES];
+} next_class;
 
 static void free_runs(next_runs *next) {
     free(next->data.run);
     free(next->path);
     free(next->force);
     free(next->use);
-    free(next->done);
+}
+
+static void free_class(next_class *all) {
+    for (size_t i = 0; i < all->n; i++) {
+        infer_fit_free(&all->cause[i].fit);
+        free(all->cause[i].force);
+        free(all->cause[i].other);
+    }
 }
 
 /* Where several specimens were pressed, another one of the mean size. */
@@ -39,6 +67,7 @@ static void set_run(next_runs *next, size_t k, const explain_run *like, explain_
                          .force = next->force + k * EXPLAIN_PATH,
                          .use = next->use + k * EXPLAIN_PATH,
                          .stood = stood,
+                         .samples = p->samples,
                          .session = like->session,
                          .white = like->white,
                          .fresh = true,
@@ -48,128 +77,221 @@ static void set_run(next_runs *next, size_t k, const explain_run *like, explain_
                          .held_out = true};
 }
 
-static palp_status make_runs(const explain_data *data, next_runs *next) {
-    const size_t n = data->n_runs, all = n + EXPLAIN_PROTOCOLS;
-    *next = (next_runs){.data = *data,
-                        .path = malloc(EXPLAIN_PROTOCOLS * sizeof *next->path),
-                        .force = calloc(2 * (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH, sizeof *next->force),
-                        .use = malloc((size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH),
-                        .done = calloc(EXPLAIN_PROTOCOLS, sizeof *next->done)};
-    next->data.run = calloc(all, sizeof *next->data.run);
-    if (!next->data.run || !next->path || !next->force || !next->use || !next->done)
+/* All paths together have about as many samples as the runs, so that they cost as much as an evaluation. */
+static palp_status make_runs(const explain_data *data, const palp_explain_limits *limits, next_runs *next) {
+    *next = (next_runs){.data = *data, .n_before = data->n_runs};
+    next->data.run = NULL;
+    next->limits = explain_limits_find(limits, data);
+    const size_t n = next->n = explain_protocols_list(&next->limits, next->protocol);
+    next->path = malloc((n + 1) * sizeof *next->path);
+    next->force = calloc(2 * (n + 1) * EXPLAIN_PATH, sizeof *next->force);
+    next->use = malloc((n + 1) * EXPLAIN_PATH);
+    next->data.run = calloc(data->n_runs + n, sizeof *next->data.run);
+    if (!next->path || !next->force || !next->use || !next->data.run)
         return PALP_ERR_NO_MEMORY;
-    next->stood = next->force + (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH;
-    memset(next->use, 1, (size_t)EXPLAIN_PROTOCOLS * EXPLAIN_PATH);
-    memcpy(next->data.run, data->run, n * sizeof *data->run);
-    for (size_t k = 0; k < EXPLAIN_PROTOCOLS; k++) {
-        explain_path_find(k, data, &next->path[k]);
-        set_run(next, k, &data->run[n - 1], &next->data.run[n + k]);
+    next->stood = next->force + n * EXPLAIN_PATH;
+    memset(next->use, 1, n * EXPLAIN_PATH);
+    memcpy(next->data.run, data->run, data->n_runs * sizeof *data->run);
+    for (size_t k = 0; k < n; k++) {
+        explain_path_find(&next->protocol[k], data, data->n / n, &next->path[k]);
+        set_run(next, k, &data->run[data->n_runs - 1], &next->data.run[data->n_runs + k]);
         next->data.n += next->path[k].n;
         next->data.longest = next->path[k].n > next->data.longest ? next->path[k].n : next->data.longest;
     }
-    next->data.n_runs = all;
+    next->data.n_runs += n;
     return PALP_OK;
 }
 
-/* full's fit with the columns of the new runs too. */
-static palp_status extend(const infer_fit *full, size_t n_runs, const explain_data *data, infer_fit *fit) {
-    palp_status status = infer_fit_create(&full->c.model, data, NULL, fit);
+/* The measured fit with the columns of the new runs too. */
+static palp_status extend(const infer_fit *full, const next_runs *next, infer_fit *fit) {
+    const size_t n_runs = next->n_before;
+    palp_status status = infer_fit_create_as(&full->c.model, &next->data, NULL, fit);
+    size_t n = 0;
     if (status)
         return status;
+    for (size_t r = 0; r < n_runs; r++)
+        n += next->data.run[r].n;
     fit->noise = full->noise;
     fit->sizes = full->sizes;
+    fit->converter = full->converter;
+    fit->plain = full->plain;
+    fit->held = full->held;
     fit->c.hum_Hz = full->c.hum_Hz;
     fit->c.renewed = full->c.renewed;
+    memcpy(fit->certain, full->certain, sizeof fit->certain);
+    memcpy(fit->sample, full->sample, n * sizeof *fit->sample);
+    memcpy(fit->specimen, full->specimen, INFER_SPECIMEN * n_runs * sizeof *fit->specimen);
     memcpy(fit->c.x, full->c.x, fit->k * sizeof *fit->c.x);
     memcpy(fit->given, full->given, fit->k * sizeof *fit->given);
     memcpy(fit->width, full->width, fit->k * sizeof *fit->width);
     memcpy(fit->scan, full->scan, fit->k * sizeof *fit->scan);
     memcpy(fit->c.contact, full->c.contact, n_runs * sizeof *fit->c.contact);
     memcpy(fit->c.gain, full->c.gain, n_runs * sizeof *fit->c.gain);
-    status = infer_fit_evaluate(fit, data);
-    if (status)
-        infer_fit_free(fit);
+    return infer_fit_evaluate(fit, &next->data);
+}
+
+/* Forces of the possible runs. */
+static palp_status predict(next_runs *next, next_cause *cause) {
+    cause->force = malloc((next->n + 1) * EXPLAIN_PATH * sizeof *cause->force);
+    for (size_t k = 0; k < next->n && cause->force; k++) {
+        const explain_path *p = &next->path[k];
+        const palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
+        const palp_status status =
+            explain_predict(&cause->measured->c.model, &run, cause->force + k * EXPLAIN_PATH, NULL, NULL);
+        if (status == PALP_ERR_NO_MEMORY)
+            return status;
+        next->lost[k] = next->lost[k] || status;
+    }
+    return cause->force ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
+/* How the possible runs would differ from what one cause predicts if the others are true. */
+static palp_status compare(next_runs *next, next_class *all, size_t i) {
+    next_cause *c = &all->cause[i];
+    const size_t m = c->fit.m, last = m - 1;
+    infer_posterior p = {.memory = NULL};
+    c->other = calloc(all->n * next->n * m + 1, sizeof *c->other);
+    palp_status status = c->other ? infer_posterior_find(&c->fit, &next->data, &p) : PALP_ERR_NO_MEMORY;
+    c->chi2 = status ? 0.0 : p.chi2;
+    if (c->other)
+        infer_posterior_free(&p);
+    for (size_t j = 0; j < all->n && !status; j++) {
+        if (j == i)
+            continue;
+        memcpy(next->force, all->cause[j].force, next->n * EXPLAIN_PATH * sizeof *next->force);
+        status = infer_fit_reevaluate(&c->fit, &next->data);
+        for (size_t k = 0; k < next->n && !status; k++)
+            memcpy(c->other + (j * next->n + k) * m, c->fit.product + ((next->n_before + k) * m + last) * m,
+                   m * sizeof *c->other);
+    }
     return status;
 }
 
-/* Forces of the new runs by the other set. */
-static void predict_other(const infer_fit *other, next_runs *next) {
-    for (size_t k = 0; k < EXPLAIN_PROTOCOLS; k++) {
-        const explain_path *p = &next->path[k];
-        const palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
-        next->done[k] =
-            explain_predict(&other->c.model, &run, next->force + k * EXPLAIN_PATH, NULL, NULL) == PALP_OK;
-    }
-}
-
-/* chi2 of all runs that were measured and of run r, if that records what this fit predicts (own) or what the
- * other set does. */
-static palp_status find_chi2(const infer_fit *fit, next_runs *next, size_t r, bool own, double *chi2) {
-    const size_t m = fit->m;
-    double *product = fit->product + r * m * m, *was = malloc(m * m * sizeof *was);
+/* Expected log odds of cause j over cause i after the chosen runs and run k, if j is true: by how much chi2
+ * of i then grows, its parameters and all that the runs have of their own refitted. */
+static palp_status find_nats(next_runs *next, next_class *all, size_t i, size_t j, size_t k, double *nats) {
+    next_cause *c = &all->cause[i];
+    const size_t m = c->fit.m, last = m - 1;
+    const bool was = next->chosen[k];
     infer_posterior p;
-    if (!was)
-        return PALP_ERR_NO_MEMORY;
-    memcpy(was, product, m * m * sizeof *was);
-    for (size_t a = 0; a < m && own; a++)
-        product[a * m + m - 1] = product[(m - 1) * m + a] = 0.0;
-    next->data.run[r].held_out = false;
-    palp_status status = infer_posterior_find(fit, &next->data, &p);
-    next->data.run[r].held_out = true;
-    memcpy(product, was, m * m * sizeof *was);
-    free(was);
-    *chi2 = status ? 0.0 : p.chi2;
+    next->chosen[k] = true;
+    for (size_t q = 0; q < next->n; q++) {
+        double *product = c->fit.product + (next->n_before + q) * m * m;
+        const double *other = c->other + (j * next->n + q) * m;
+        next->data.run[next->n_before + q].held_out = !next->chosen[q];
+        for (size_t a = 0; a < m && next->chosen[q]; a++)
+            product[last * m + a] = product[a * m + last] = other[a];
+    }
+    palp_status status = infer_posterior_find(&c->fit, &next->data, &p);
+    *nats = status ? 0.0 : fmax(0.0, 0.5 * (p.chi2 - c->chi2));
     infer_posterior_free(&p);
+    next->chosen[k] = was;
     return status;
 }
 
-/* Takes the run of which most is expected, if it is more than what *out has. */
-static palp_status compare(const infer_fit *fit, size_t n_runs, next_runs *next, palp_explain_next *out) {
-    double by_own, by_other, own[EXPLAIN_PATH];
+/* The information about the cause that the expected log odds mean, nats, at least: Kolchinsky and Tracey
+ * (Entropy 19 (2017) 361), Eq. 10, with Bhattacharyya's distance, which is a quarter of the log odds for
+ * normal distributions of one covariance. */
+static double information(const next_class *all, double nats[CAUSES][CAUSES]) {
+    double sum = 0.0;
+    for (size_t i = 0; i < all->n; i++) {
+        double mixed = 0.0;
+        for (size_t j = 0; j < all->n; j++)
+            mixed += all->cause[j].probability * exp(-0.125 * (nats[i][j] + nats[j][i]));
+        sum -= all->cause[i].probability * log(mixed);
+    }
+    return sum;
+}
+
+/* The expected log odds after the chosen runs and run k, and what they tell. */
+static palp_status weigh(next_runs *next, next_class *all, size_t k, double nats[CAUSES][CAUSES],
+                         double *told) {
     palp_status status = PALP_OK;
-    for (size_t k = 0; k < EXPLAIN_PROTOCOLS && !status; k++) {
-        const explain_path *p = &next->path[k];
-        const palp_forward_run run = {.n = p->n, .time_s = p->time, .depth_m = p->depth};
-        if (!next->done[k] || explain_predict(&fit->c.model, &run, own, NULL, NULL))
-            continue;
-        status = find_chi2(fit, next, n_runs + k, true, &by_own);
-        if (!status)
-            status = find_chi2(fit, next, n_runs + k, false, &by_other);
-        const double nats = 0.5 * (by_other - by_own);
-        if (status || !(nats > out->nats))
-            continue;
-        *out = explain_next_of(k, &next->data);
-        out->nats = nats;
-        out->separation_N = explain_separation(p, own, next->force + k * EXPLAIN_PATH);
+    for (size_t i = 0; i < all->n; i++)
+        for (size_t j = 0; j < all->n && !status; j++) {
+            nats[i][j] = 0.0;
+            if (i != j)
+                status = find_nats(next, all, i, j, k, &nats[i][j]);
+        }
+    *told = status ? 0.0 : information(all, nats);
+    return status;
+}
+
+/* Adds run after run, each the best beside those before, as long as the information grows more than the time:
+ * it is divided by the time of the experiment and of the limit. So a run that takes all of the time must tell
+ * twice as much as one that takes none. */
+static palp_status choose(next_runs *next, next_class *all, palp_explain_next *out) {
+    double unknown = 0.0, most = 0.0;
+    palp_status status = PALP_OK;
+    for (size_t i = 0; i < all->n; i++)
+        unknown -= all->cause[i].probability * log(all->cause[i].probability);
+    for (size_t best = 0; best < next->n && out->n_runs < PALP_EXPLAIN_NEXT_RUNS && !status;) {
+        double nats[CAUSES][CAUSES], told, best_time = 0.0;
+        best = next->n;
+        for (size_t k = 0; k < next->n && !status; k++) {
+            const double time = out->time_s + next->protocol[k].duration + next->limits.rest_s;
+            if (next->chosen[k] || next->lost[k] || time > next->limits.time_s)
+                continue;
+            status = weigh(next, all, k, nats, &told);
+            if (status || !(told / (next->limits.time_s + time) > most))
+                continue;
+            most = told / (next->limits.time_s + time);
+            best = k;
+            best_time = time;
+            out->information = told / unknown;
+            out->nats = fmin(nats[0][1], nats[1][0]);
+        }
+        if (best == next->n || status)
+            break;
+        if (out->n_runs == 0)
+            out->separation_N =
+                explain_separation(&next->path[best], all->cause[0].force + best * EXPLAIN_PATH,
+                                   all->cause[1].force + best * EXPLAIN_PATH);
+        next->chosen[best] = true;
+        out->time_s = best_time;
+        out->run[out->n_runs++] = explain_next_run_of(&next->protocol[best]);
     }
     return status;
+}
+
+/* The effect itself and the most probable others, which fit the runs as well. */
+static void find_causes(const infer_search *full, const infer_search *rest, const palp_explain_effect *out,
+                        next_class *all) {
+    double sum = 0.0;
+    for (size_t c = 0; c < out->n_class && all->n < CAUSES; c++) {
+        const infer_fit *fit = c ? &rest->trial[out->alike[c]].fit : &full->fit;
+        if (fit->raw)
+            all->cause[all->n++] = (next_cause){.id = out->alike[c], .measured = fit};
+    }
+    for (size_t i = 0; i < all->n; i++)
+        sum += all->cause[i].probability = exp(all->cause[i].measured->score - full->fit.score);
+    for (size_t i = 0; i < all->n; i++)
+        all->cause[i].probability /= sum;
 }
 
 palp_status infer_next_find(const infer_search *full, const infer_search *rest,
                             const palp_explain_effect *out, palp_explain_next *next) {
-    const size_t n_runs = full->data.n_runs;
-    next_runs runs;
-    palp_status status = out->n_class > 1 ? make_runs(&full->data, &runs) : PALP_OK;
-    for (size_t c = 1; c < out->n_class && !status; c++) {
-        const infer_trial *t = &rest->trial[out->alike[c]];
-        palp_explain_next found = *next;
-        infer_fit fit;
-        if (!t->fit.raw)
-            continue;
-        predict_other(&t->fit, &runs);
-        status = extend(&full->fit, n_runs, &runs.data, &fit);
-        if (status)
-            break;
-        status = compare(&fit, n_runs, &runs, &found);
-        infer_fit_free(&fit);
-        if (found.nats > next->nats || !next->wanted) {
-            *next = found;
-            next->wanted = true;
-            next->between[0] = out->effect.id;
-            next->between[1] = out->alike[c];
-        }
-    }
-    if (out->n_class > 1)
-        free_runs(&runs);
+    next_class all = {.n = 0};
+    find_causes(full, rest, out, &all);
+    if (all.n < 2)
+        return PALP_OK;
+    palp_explain_next found = {.wanted = true, .between = {all.cause[0].id, all.cause[1].id}};
+    next_runs *runs = malloc(sizeof *runs);
+    palp_status status = runs ? make_runs(&full->data, &full->settings->next, runs) : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < all.n && !status; i++)
+        status = predict(runs, &all.cause[i]);
+    for (size_t i = 0; i < all.n && !status; i++)
+        status = extend(all.cause[i].measured, runs, &all.cause[i].fit);
+    for (size_t i = 0; i < all.n && !status; i++)
+        status = compare(runs, &all, i);
+    if (!status)
+        status = choose(runs, &all, &found);
+    found.rest_s = status ? 0.0 : runs->limits.rest_s;
+    if (!status && (!next->wanted || found.information > next->information))
+        *next = found;
+    free_class(&all);
+    if (runs)
+        free_runs(runs);
+    free(runs);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }

@@ -250,6 +250,8 @@ typedef struct acquire_options {
  * results, owned by the caller. */
 int acquire_session(const acquire_options *options, const acquire_plan *plan, json_t **summary);
 
+double acquire_plan_time_s(const acquire_plan *plan); /* with its rests */
+
 /* Shows the device's readings ten times a second of its clock, until Ctrl-C: one line on a terminal,
  * otherwise rows of CSV on stdout. Moves nothing (acquire_monitor.c). Returns an exit code. */
 int acquire_monitor(const acquire_options *options);

@@ -106,13 +106,18 @@ static json_t *run_json(const acquire_run *r) {
                      "force", p.force);
 }
 
+double acquire_plan_time_s(const acquire_plan *plan) {
+    double time_s = 0;
+    for (size_t i = 0; i < plan->n; i++)
+        time_s += acquire_run_length_s(&plan->run[i]) +
+                  (plan->run[i].motion.rest_s > 0 ? plan->run[i].motion.rest_s : 0);
+    return time_s;
+}
+
 json_t *acquire_plan_json(const acquire_plan *plan) {
     json_t *runs = json_array();
-    double length_s = 0;
-    for (size_t i = 0; i < plan->n; i++) {
-        const acquire_run *r = &plan->run[i];
-        json_array_append_new(runs, run_json(r));
-        length_s += acquire_run_length_s(r) + (isnan(r->motion.rest_s) ? 0 : r->motion.rest_s);
-    }
-    return json_pack("{s{si} sf so}", "palpate", "plan", 1, "length_s", length_s, "runs", runs);
+    for (size_t i = 0; i < plan->n; i++)
+        json_array_append_new(runs, run_json(&plan->run[i]));
+    return json_pack("{s{si} sf so}", "palpate", "plan", 1, "length_s", acquire_plan_time_s(plan), "runs",
+                     runs);
 }

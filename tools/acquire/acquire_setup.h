@@ -38,4 +38,19 @@ int acquire_setup_prepare(const char *name, acquire_setup *setup);
 int acquire_setup_open(const char *name, acquire_setup *setup);
 int acquire_setup_close(acquire_setup *setup);
 
+/* How a session goes on (acquire_until.c). */
+typedef struct acquire_until {
+    const char *model; /* NULL: it does not */
+    double time_s;     /* for all further experiments; 0: as long as the session takes */
+    size_t every;      /* of each run explain takes one sample in so many; 0: as many as it likes */
+} acquire_until;
+
+/* After a session of this plan: palpate explain says what its recordings and the model leave open, and
+ * designs the experiment that would tell; it is run, until one cause is left. The plan is overwritten.
+ * explain.json, explained.json and next.json stand beside the recordings. summary: of the session, or NULL;
+ * gets the further runs and the verdict. Returns an exit code, CLI_NOT_CONVERGED where more than one cause is
+ * left or none fits. */
+int acquire_until_explained(const acquire_setup *setup, acquire_plan *plan, const acquire_until *how,
+                            json_t *summary);
+
 #endif

@@ -20,6 +20,7 @@ typedef struct choice {
     size_t cycles, order_seed;
     int order, trigger_in;
     const char *protocol;
+    acquire_until until;
 } choice;
 
 enum { OWN_OPTIONS = 64 + ACQUIRE_SETUP_OPTIONS };
@@ -85,6 +86,21 @@ static size_t session_options(choice *c, cli_option *list) {
     return sizeof all / sizeof all[0];
 }
 
+static size_t explain_options(choice *c, cli_option *list) {
+    const cli_option all[] = {
+        cli_heading("Experiments that follow"),
+        cli_in("until-explained", "MODEL.json", &c->until.model,
+               "after the runs, palpate explain compares them with this model; the experiment\n"
+               "that it asks for is run, again and again, until one cause is left"),
+        cli_positive("budget-s", "S", 1e7, &c->until.time_s,
+                     "time of the device for these experiments, s (default: as long as the runs)"),
+        cli_count("every", "N", 1, 1e6, &c->until.every,
+                  "explain takes one sample in N (default: so many that 20000 remain)"),
+    };
+    memcpy(list, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
 static size_t output_options(choice *c, cli_option *list) {
     acquire_options *o = &c->setup.session;
     const cli_option all[] = {
@@ -108,6 +124,7 @@ static int parse(int argc, char **argv, choice *c) {
     n += plate_options(c, options + n);
     n += session_options(c, options + n);
     n += acquire_setup_specimen(&c->setup, options + n);
+    n += explain_options(c, options + n);
     n += output_options(c, options + n);
     n += acquire_setup_columns(&c->setup, options + n);
     rig_options_list(&c->setup.rig, options + n);
@@ -120,7 +137,9 @@ static int parse(int argc, char **argv, choice *c) {
         "finds contact once, before the first run. Exit code 4: the device stopped by a fault.",
         "  palpate acquire --port /dev/ttyACM0 --ramp-hold 1.5,3,5 --specimen-height-mm 24 --out runs\n"
         "  palpate acquire --port rig:data/sedef2008/lumped_n2.json --ramp-hold 2,4 --hold-s 20 --out runs\n"
-        "  palpate acquire --port rig --thesis-protocol --out runs --json\n",
+        "  palpate acquire --port rig --thesis-protocol --out runs --json\n"
+        "  palpate acquire --port /dev/ttyACM0 --protocol first.json --until-explained lumped.json --out "
+        "runs\n",
         options,
         n + RIG_OPTIONS};
     return cli_parse(&command, argc, argv, NULL, 0, &words);
@@ -174,6 +193,9 @@ static int check_options(choice *c) {
         return cli_usage_error(NAME,
                                "say what the plate does by one of --static, --ramp-hold, --cycles, --sweep, "
                                "--protocol, --thesis-protocol");
+    if ((c->until.time_s > 0 || c->until.every > 0) && !c->until.model)
+        return cli_usage_error(NAME, "--%s needs --until-explained MODEL.json",
+                               c->until.time_s > 0 ? "budget-s" : "every");
     return check_motion(c, mode);
 }
 
@@ -247,9 +269,11 @@ static int check_files(const choice *c, const acquire_plan *plan) {
     return code;
 }
 
-static int run_session(choice *c, const acquire_plan *plan) {
+static int run_session(choice *c, acquire_plan *plan) {
     json_t *summary = NULL;
     int code = acquire_session(&c->setup.session, plan, c->json ? &summary : NULL);
+    if (code == CLI_OK && c->until.model)
+        code = acquire_until_explained(&c->setup, plan, &c->until, summary);
     if (summary) {
         int printed = json_print(NAME, summary);
         code = code ? code : printed;
@@ -257,7 +281,7 @@ static int run_session(choice *c, const acquire_plan *plan) {
     return code;
 }
 
-static int with_device(choice *c, const acquire_plan *plan) {
+static int with_device(choice *c, acquire_plan *plan) {
     int code = acquire_setup_prepare(NAME, &c->setup);
     code = code ? code : check_specimen(c, plan);
     code = code ? code : check_files(c, plan);

@@ -45,6 +45,15 @@ static int parse(int argc, char **argv, explain_options *o) {
                    "practical limit, of the largest force: what is less is neither named nor missed\n"
                    "(default 0: none)"),
         cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
+        cli_heading("Limits of the next experiment"),
+        cli_positive("next-depth-mm", "MM", 1000, &o->limits.depth_m,
+                     "deepest place of the plate, mm (default: of the runs)"),
+        cli_positive("next-rate-mm-s", "R", 1e4, &o->limits.rate_m_s,
+                     "largest speed, mm/s (default: of the runs)"),
+        cli_positive("next-time-s", "S", 1e7, &o->limits.time_s,
+                     "its duration, s (default: that of the session so far)"),
+        cli_positive("next-rest-s", "S", 1e6, &o->limits.rest_s,
+                     "rest before each run, s (default: the mean pause between the runs)"),
         cli_heading("Output"),
         cli_out("out", "EXPLAINED.json", &o->out, "the model with the effects"),
         cli_flag("json", &o->json, "everything that was found as one JSON object on standard output"),
@@ -121,7 +130,7 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
                    model.material.law.strain_max); /* of the coefficients that were found */
     if (o->out && palp_model_write(&model, o->out, &error))
         code = cli_status(NAME, error.status, &error);
-    if (code == CLI_OK && o->next && e->next.wanted && e->next.kind)
+    if (code == CLI_OK && o->next && e->next.n_runs > 0)
         code = json_save(NAME, explain_protocol(e), o->next);
     return code;
 }
@@ -209,6 +218,9 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     s.false_alarm = o->false_alarm;
     s.contact = (palp_contact_form)o->contact;
     s.good_enough = 0.01 * o->good_enough;
+    s.next = o->limits;
+    s.next.depth_m *= 1e-3;
+    s.next.rate_m_s *= 1e-3;
     s.loop = o->jobs > 1 ? jobs_run : NULL;
     s.loop_user = &o->jobs;
     int code = choose_candidates(o, &s);

@@ -16,6 +16,7 @@ typedef struct explain_options {
     size_t n_words, max_effects, jobs, every; /* every: as open_runs takes it */
     int contact;                              /* a palp_contact_form */
     double false_alarm, good_enough;
+    palp_explain_limits limits; /* in mm and mm/s */
     bool json;
     char command[CLI_COMMAND_MAX];
 } explain_options;

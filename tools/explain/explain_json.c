@@ -203,19 +203,19 @@ static json_t *steps_json(const palp_explanation *e) {
     return list;
 }
 
-static json_t *run_json(const palp_explain_next *next) {
-    json_t *run = json_object();
-    json_object_set_new(run, "kind", json_string(next->kind));
-    json_figures(run, {"depth_mm", next->depth_mm});
-    if (next->rate_mm_s > 0)
-        json_figures(run, {"rate_mm_s", next->rate_mm_s});
-    if (next->ramp_s > 0)
-        json_figures(run, {"ramp_s", next->ramp_s});
-    if (next->hold_s > 0)
-        json_figures(run, {"hold_s", next->hold_s});
-    if (next->cycles > 0)
-        json_object_set_new(run, "cycles", json_integer((json_int_t)next->cycles));
-    return run;
+static json_t *runs_json(const palp_explain_next *next) {
+    json_t *runs = json_array();
+    for (size_t i = 0; i < next->n_runs; i++) {
+        const palp_explain_next_run *from = &next->run[i];
+        json_t *run = json_pack("{s:s}", "kind", from->kind);
+        json_figures(run, {"depth_mm", from->depth_mm}, {"rate_mm_s", from->rate_mm_s});
+        if (from->hold_s > 0)
+            json_figures(run, {"hold_s", from->hold_s});
+        if (from->cycles > 0)
+            json_object_set_new(run, "cycles", json_integer((json_int_t)from->cycles));
+        json_array_append_new(runs, run);
+    }
+    return runs;
 }
 
 static json_t *next_json(const palp_explanation *e) {
@@ -225,11 +225,10 @@ static json_t *next_json(const palp_explanation *e) {
     json_t *object = json_object(), *between = json_array();
     for (int i = 0; i < 2; i++)
         json_array_append_new(between, json_string(id_of(next->between[i])));
-    json_object_set_new(object, "run", next->kind ? run_json(next) : json_null());
+    json_object_set_new(object, "runs", runs_json(next));
     json_object_set_new(object, "between", between);
-    json_figures(object, {"separation_N", next->separation_N});
-    if (next->nats > 0)
-        json_figures(object, {"nats", next->nats});
+    json_figures(object, {"separation_N", next->separation_N}, {"nats", next->nats},
+                 {"information", next->information}, {"time_s", next->time_s});
     return object;
 }
 
@@ -274,12 +273,12 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
 }
 
 json_t *explain_protocol(const palp_explanation *e) {
-    json_t *root = json_object(), *runs = json_array();
+    json_t *root = json_object();
     char about[160];
     snprintf(about, sizeof about, "tells %s from %s", id_of(e->next.between[0]), id_of(e->next.between[1]));
-    json_array_append_new(runs, run_json(&e->next));
     json_object_set_new(root, "palpate", json_pack("{s:i}", "protocol", 1));
     json_object_set_new(root, "about", json_string(about));
-    json_object_set_new(root, "runs", runs);
+    json_figures(root, {"rest_s", e->next.rest_s});
+    json_object_set_new(root, "runs", runs_json(&e->next));
     return root;
 }

@@ -292,8 +292,8 @@ static void kind_words(const json_t *run, char text[LINE]) {
            hold = json_number_at(run, "hold_s"), cycles = json_number_at(run, "cycles");
     if (strcmp(kind, "ramp_hold") == 0)
         snprintf(text, LINE, "a ramp to %.3g mm at %.3g mm/s, held for %.3g s", depth, rate, hold);
-    else if (strcmp(kind, "static") == 0)
-        snprintf(text, LINE, "a slow press to %.3g mm at %.3g mm/s and back", depth, rate);
+    else if (strcmp(kind, "cyclic") == 0 && cycles < 2)
+        snprintf(text, LINE, "a press to %.3g mm at %.3g mm/s, and back as fast", depth, rate);
     else if (strcmp(kind, "cyclic") == 0)
         snprintf(text, LINE, "%.0f cycles to %.3g mm at %.3g mm/s", cycles, depth, rate);
     else if (strcmp(kind, "free") == 0)
@@ -322,19 +322,30 @@ static void repeat_words(const json_t *all, char text[2 * LINE]) {
                  force_text(worst ? json_number_at(worst, "after_N") : NAN, force));
 }
 
-static void next_text(const json_t *all, char text[2 * LINE]) {
-    const json_t *next = json_object_get(all, "next_experiment"), *run = json_object_get(next, "run");
+/* All runs of the next experiment. */
+static void runs_words(const json_t *runs, char text[2 * LINE]) {
+    char one[LINE];
+    size_t at = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < json_array_size(runs) && at < 2 * LINE; i++) {
+        kind_words(json_array_get(runs, i), one);
+        at += (size_t)snprintf(text + at, 2 * LINE - at, "%s%.160s", i ? "; then " : "", one);
+    }
+}
+
+static void next_text(const json_t *all, char text[4 * LINE]) {
+    const json_t *next = json_object_get(all, "next_experiment"), *runs = json_object_get(next, "runs");
     const char *verdict = json_text_at(all, "verdict");
-    char what[LINE], both[LINE], apart[32], noise[32];
+    char what[2 * LINE], both[LINE], apart[32], noise[32];
     name_list(json_object_get(next, "between"), 0, " and ", both);
-    if (json_is_object(run)) {
-        kind_words(run, what);
-        snprintf(text, 2 * LINE,
-                 "Measure %.300s. Both %.300s fit the runs there are; in this run the forces they predict "
-                 "are %s apart, rms, after a zero "
-                 "and a gain of the run's own (the noise level is %s).",
-                 what, both, force_text(json_number_at(next, "separation_N"), apart),
-                 force_text(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
+    if (json_array_size(runs) > 0) {
+        runs_words(runs, what);
+        snprintf(
+            text, 4 * LINE,
+            "Measure %.500s. Both %.200s fit the runs there are. In the first of these the forces that they "
+            "predict are %s apart, rms, after a zero and a gain of the run's own (the noise level is %s).",
+            what, both, force_text(json_number_at(next, "separation_N"), apart),
+            force_text(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
     } else if (json_is_object(next)) {
         snprintf(text, 2 * LINE, "No run that the indenter can do tells %s apart.", both);
     } else if (strcmp(verdict, "unexplained") == 0 || strcmp(verdict, "suspected") == 0) {
@@ -409,7 +420,7 @@ void explain_say(FILE *to, const json_t *all) {
 
 void explain_add_words(json_t *all) {
     json_t *names = json_object();
-    char next[2 * LINE];
+    char next[4 * LINE];
     next_text(all, next);
     json_object_set_new(all, "sentences", tell(all));
     json_object_set_new(all, "next_sentence", json_text(next));

@@ -509,20 +509,21 @@ function diagnostics(r) {
     table(null, "experiment|~phase|share of the first gap (%)|correlation|runs test (standard deviations)", order))];
 }
 
-/* The next run as palpate acquire would make it. */
-function next_path(run) {
-  const AIR = 2, top = run.kind === "free" ? -AIR - run.depth_mm : run.depth_mm, x = [0], y = [-AIR], way = Math.abs(top + AIR),
-    rate = run.rate_mm_s;
-  const go = (depth, seconds) => { x.push(x.at(-1) + seconds); y.push(depth); };
-  if (!(rate > 0)) return null;
-  go(-AIR, 1);
-  for (let c = 0; c < Math.max(run.cycles ?? 1, 1); c++) {
-    if (c > 0) go(0, top / rate);
-    go(top, (c ? top : way) / rate);
-    go(top, Math.max(run.hold_s ?? 0, 0));
+/* The next runs, one after the other, as palpate acquire would make them. */
+function next_path(runs) {
+  const AIR = 2, x = [0], y = [-AIR], go = (depth, seconds) => { x.push(x.at(-1) + seconds); y.push(depth); };
+  for (const run of runs) {
+    const top = run.kind === "free" ? -AIR - run.depth_mm : run.depth_mm, way = Math.abs(top + AIR), rate = run.rate_mm_s;
+    if (!(rate > 0)) return null;
+    go(-AIR, 1);
+    for (let c = 0; c < Math.max(run.cycles ?? 1, 1); c++) {
+      if (c > 0) go(0, top / rate);
+      go(top, (c ? top : way) / rate);
+      go(top, Math.max(run.hold_s ?? 0, 0));
+    }
+    go(-AIR, way / rate);
+    go(-AIR, Math.max(1, 0.02 * x.at(-1)));
   }
-  go(-AIR, way / rate);
-  go(-AIR, Math.max(1, 0.02 * x.at(-1)));
   return plot("next", "The next experiment: depth of the plate over time", { x_label: "time (s)", y_label: "depth (mm)",
     series: [line(null, 0, x, y), line("contact", 6, [0, x.at(-1)], [0, 0], "dashed")] },
       "The protocol file is written by --next, and run by palpate acquire --protocol.");
@@ -530,7 +531,7 @@ function next_path(run) {
 
 function next(r) {
   const n = r.next_experiment;
-  return r.next_sentence ? [element("h3", "What to measure next"), paragraph(r.next_sentence), n?.run ? figures(next_path(n.run)) : null] : [];
+  return r.next_sentence ? [element("h3", "What to measure next"), paragraph(r.next_sentence), n?.runs.length ? figures(next_path(n.runs)) : null] : [];
 }
 
 function explained(r) {

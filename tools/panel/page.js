@@ -313,7 +313,7 @@ async function showFound() {
   const effects = e.effects.map(x => x.id).join(", "), link = document.createElement("a");
   link.textContent = "the whole story"; link.href = made("explain.html"); link.target = "_blank"; link.rel = "noreferrer";
   const parts = [`Explain: ${e.verdict}${effects ? ": " + effects : ""}.`, link], next = e.next_experiment;
-  if (next && next.run) parts.push(` Next: ${next.run.kind.replace("_", " and ")} to ${shown(next.run.depth_mm, 2)} mm.`,
+  if (next && next.runs.length) parts.push(` Next: ${next.runs.map(x => `${x.kind.replace("_", " and ")} to ${shown(x.depth_mm, 2)} mm`).join(", ")}.`,
     button("Load the next experiment", async () => loadProtocol(JSON.stringify(await ask("GET", "/made?name=next.json"), null, 2))));
   $("found").replaceChildren(...parts);
 }

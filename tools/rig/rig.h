@@ -64,9 +64,11 @@ int rig_run(const char *name, const rig_settings *settings, const volatile int *
  */
 typedef struct rig {
     pid_t child;
+    int fd;        /* this end of the line */
     char port[32]; /* what link_open() takes */
 } rig;
 int rig_open(const char *name, const rig_settings *settings, rig *r);
-int rig_close(rig *r); /* ends it; its exit code */
+int rig_close(rig *r);                 /* ends it; its exit code */
+void rig_pause(const rig *r, bool on); /* its clock stands still, and it takes no time of the processor */
 
 #endif

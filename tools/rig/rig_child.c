@@ -54,7 +54,7 @@ int rig_open(const char *name, const rig_settings *settings, rig *r) {
     rig_settings own = *settings;
     pid_t parent = getpid();
     int code = CLI_OK, end[2];
-    *r = (rig){.child = 0};
+    *r = (rig){.child = 0, .fd = -1};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, end) != 0)
         return cli_failure(name, "a socket: %s", strerror(errno));
     snprintf(port, sizeof port, "fd:%d", end[1]);
@@ -70,8 +70,14 @@ int rig_open(const char *name, const rig_settings *settings, rig *r) {
         rig_close(r);
         return code ? code : cli_failure(name, "the virtual indenter does not start");
     }
-    snprintf(r->port, sizeof r->port, "fd:%d", end[0]);
+    r->fd = end[0];
+    snprintf(r->port, sizeof r->port, "fd:%d", r->fd);
     return CLI_OK;
+}
+
+void rig_pause(const rig *r, bool on) {
+    if (r->child > 0)
+        kill(-r->child, on ? SIGSTOP : SIGCONT);
 }
 
 int rig_close(rig *r) {
@@ -82,5 +88,6 @@ int rig_close(rig *r) {
     while (waitpid(r->child, &status, 0) < 0 && errno == EINTR) {
     }
     r->child = 0;
+    close(r->fd);
     return WIFEXITED(status) ? WEXITSTATUS(status) : CLI_FAILURE;
 }

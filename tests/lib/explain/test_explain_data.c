@@ -127,8 +127,9 @@ START_TEST(a_zero_and_a_gain_separate_nothing) {
     static explain_path path;
     palp_model m = linear_model(8), stiffer = linear_model(8.8);
     const double rate = 1e-4;
+    const explain_protocol press = {.depth = 2e-3, .rate = 1e-3, .hold = 10};
     begin(&m, ones, none, 0, 0);
-    explain_path_find(0, &data, &path);
+    explain_path_find(&press, &data, EXPLAIN_PATH, &path);
     const palp_forward_run run = {.n = path.n, .time_s = path.time, .depth_m = path.depth};
     ck_assert_int_eq(palp_forward_force(&m, &run, a, NULL, NULL), PALP_OK);
     add_effect(&stiffer, PALP_EFFECT_SENSOR_BIAS, 0)->value[0] = 0.05;
