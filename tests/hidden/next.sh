@@ -17,15 +17,16 @@ draw() {
     awk -v seed="$((seed * 1000 + $1))" 'BEGIN {
         srand(seed)
         split("relaxation_arm poroelastic power_law_relaxation", id)
-        k = 1 + int(3 * rand()); s = exp(log(0.2) + rand() * log(5)); t = exp(log(2) + rand() * log(10))
+        k = 1 + int(3 * rand()); s = exp(log(0.3) + rand() * log(4)); t = exp(log(2) + rand() * log(10))
         if (k < 3) printf "%s \"stiffness_N\": %.4g, \"time_s\": %.4g\n", id[k], s, t
         else printf "%s \"stiffness_N\": %.4g, \"exponent\": %.4g\n", id[k], s, 0.05 + 0.3 * rand()
     }'
 }
 
 cat >"$out/first.json" <<'J'
-{"palpate": {"protocol": 1}, "hold_s": 1, "air_s": 0.1, "after_s": 0.2, "rest_s": 60,
- "runs": [{"kind": "ramp_hold", "depth_mm": 3, "rate_mm_s": 10}, {"kind": "ramp_hold", "depth_mm": 6, "rate_mm_s": 10}]}
+{"palpate": {"protocol": 1}, "hold_s": 3, "air_s": 0.2, "after_s": 0.5, "rest_s": 60,
+ "runs": [{"kind": "ramp_hold", "depth_mm": 3, "rate_mm_s": 10}, {"kind": "ramp_hold", "depth_mm": 6, "rate_mm_s": 3},
+    {"kind": "cyclic", "depth_mm": 5, "rate_mm_s": 4, "cycles": 2}]}
 J
 
 # One run of the list, or a random one within the same limits. run KIND DEPTH RATE HOLD CYCLES
@@ -35,7 +36,7 @@ run() {
 }
 listed() { # N: what explain listed before it designed, relative to what the session did
     case $(($1 % 8)) in
-    1) run ramp_hold 6 10 6 0 ;; 2) run ramp_hold 3 10 6 0 ;; 3) run ramp_hold 6 0.3 1.2 0 ;; 4) run static 6 0.3 0 0 ;;
+    1) run ramp_hold 6 10 18 0 ;; 2) run ramp_hold 3 10 18 0 ;; 3) run ramp_hold 6 0.3 3.6 0 ;; 4) run static 6 0.3 0 0 ;;
     5) run cyclic 6 3 0 4 ;; 6) run cyclic 3.6 8 0 10 ;; 7) run cyclic 6 3 0 2 ;; 0) run free 3.6 8 0.1 0 ;;
     esac
 }
@@ -51,7 +52,7 @@ acquire() { "$PALPATE" acquire --port rig:"$dir/rig.json" --firmware host --seed
 verdict() { sed -n 's/^ *"verdict": "\([a-z_]*\)".*/\1/p' "$1"; }
 named() { sed -n '/"effects": \[/,/^  \]/s/^ *"id": "\([a-z_]*\)".*/\1/p' "$1" | tr '\n' ' '; }
 explain() { # FOLDER
-    "$PALPATE" explain --model "$dir/plain.json" "$1"/*.csv --every 4 --result "$1/explain.json" >/dev/null 2>"$dir/err" || return 1
+    "$PALPATE" explain --model "$dir/plain.json" "$1"/*.csv --every 8 --result "$1/explain.json" >/dev/null 2>"$dir/err" || return 1
 }
 
 printf '%-5s %-24s %-10s %-14s %s\n' case truth way verdict "runs named"
@@ -75,7 +76,7 @@ J
         printf '%-5s %-24s %-10s %-14s %s\n' $k "$truth" first "$(verdict "$dir/first/explain.json")" "0 $(named "$dir/first/explain.json")"
         continue
     fi
-    acquire --protocol "$out/first.json" --out "$dir/designed" --force --until-explained "$dir/plain.json" --every 4 \
+    acquire --protocol "$out/first.json" --out "$dir/designed" --force --until-explained "$dir/plain.json" --every 8 \
         --budget-s 600 || true
     printf '%-5s %-24s %-10s %-14s %s\n' $k "$truth" designed "$(verdict "$dir/designed/explain.json")" \
         "$(ls "$dir"/designed | grep -c '^next.*csv') $(named "$dir/designed/explain.json")"
