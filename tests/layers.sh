@@ -24,7 +24,7 @@ cut: network | cut
 realtime: contact cut | realtime
 reduce: realtime | reduce sim
 response: network | forward specimen
-fit: data response realtime | characterize calibrate moduli spectrum palpation
+fit: data response realtime | characterize calibrate moduli spectrum palpation solid
 explain: response fit data | explain
 thesis: fit | thesis
 palpate.h: thesis explain fit response reduce realtime | palpate

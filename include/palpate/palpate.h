@@ -26,6 +26,7 @@
 #include <palpate/reduce.h>
 #include <palpate/region.h>
 #include <palpate/segments.h>
+#include <palpate/solid.h>
 #include <palpate/solver.h>
 #include <palpate/specimen.h>
 #include <palpate/spectrum.h>

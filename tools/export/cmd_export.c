@@ -1,27 +1,47 @@
-/* cmd_export.c: palpate export: a network for another solver. */
+/* cmd_export.c: palpate export: a model for another program. */
 #include "calculix.h"
+#include "export.h"
 #include "shared/cli.h"
 #include "shared/commands.h"
 #include "shared/opening.h"
 
 #include <math.h>
 #include <palpate/model.h>
+#include <string.h>
 
-typedef struct export_options {
-    int format;
-    cli_list depth_mm, strain;
-    size_t points;
-    double table_strain, step_strain;
-    const char *out;
-} export_options;
+static int check_solid(const export_options *o) {
+    if (o->depth_mm.n + o->strain.n > 1)
+        return cli_usage_error("export", "a solid is pressed to one depth");
+    if (o->json && (!o->out || strcmp(o->out, "-") == 0))
+        return cli_usage_error("export", "--json needs --out FILE: standard output has one of them only");
+    return CLI_OK;
+}
 
 static int parse(int argc, char **argv, export_options *o, const char **model) {
     const cli_option options[] = {
-        cli_heading("Presses (give one of these)"),
-        cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm, "depths, mm; one static step each"),
-        cli_numbers("strain", "LIST", 0.95, &o->strain, "depths as a share of the network's height"),
-        cli_heading("Deck"),
-        cli_choice("format", "calculix", &o->format, "format of the deck; there is only this one"),
+        cli_choice("to", "calculix-springs|calculix|abaqus|febio|sofa|mujoco|newton|vega", &o->to,
+                   "the other program; all but the first get a solid (default calculix-springs)"),
+        cli_heading("Presses"),
+        cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm,
+                    "springs: depths, mm; one static step each. Solid: one depth, of the fit to\n"
+                    "the model and of the scene (default the recordings', or a quarter of the height)"),
+        cli_numbers("strain", "LIST", 0.95, &o->strain, "depths as a share of the height"),
+        cli_positive("rate-mm-s", "V", 1e4, &o->rate_mm_s, "solid: rate of the scene's ramp (default 1)"),
+        cli_positive("hold-s", "T", 1e6, &o->hold_s,
+                     "solid: dwell (default 3 of the longest relaxation times, at least 10)"),
+        cli_heading("Solid"),
+        cli_in("runs", "RUN.csv[,...]", &o->runs,
+               "recordings of the plate to fit (default: the model's own force)"),
+        cli_choice("law", "yeoh|neo-hookean|mooney-rivlin|st-venant", &o->law,
+                   "of those that the program has: calculix and abaqus the first three, sofa\n"
+                   "the second and third, vega the second and fourth (default: the first)"),
+        cli_number("poisson", "NU", 0, 0.49, &o->poisson,
+                   "Poisson's ratio (default the model's; 0.25 of springs, 0.45 of a lumped model)"),
+        cli_flag("slide", &o->slides, "the plates slide; else they hold the tissue"),
+        cli_count("nodes", "N", 2, 64, &o->nodes, "lumped model: nodes a side of its mesh (default 7)"),
+        cli_positive("density-kg-m3", "D", 1e5, &o->density_kg_m3,
+                     "of the tissue, where the program wants one (default the model's, or 1000)"),
+        cli_heading("Springs"),
         cli_count("table-points", "N", 5, 200, &o->points,
                   "points of each force-elongation table, rounded down to an odd number\n"
                   "(default and most 199: CalculiX drops points of longer tables)"),
@@ -32,14 +52,16 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
         cli_positive("step-strain", "E", 1, &o->step_strain,
                      "largest increment of a step, as a share of the height (default 0.01)"),
         cli_heading("Output"),
-        cli_out("out", "DECK.inp", &o->out, "the deck (default: standard output)"),
+        cli_out("out", "FILE", &o->out, "the deck or scene (default: standard output)"),
+        cli_flag("json", &o->json, "solid: what was fitted, to standard output; needs --out"),
     };
     const cli_command command = {
         "export",
-        "MODEL.json --depth-mm LIST [--out DECK.inp]",
-        "Writes the fully relaxed network (springs without arms) as a CalculiX deck: SPRINGA elements,\n"
-        "solids that resist a change of volume, supports, and a static step to each depth that prints\n"
-        "the force on the plate.",
+        "MODEL.json [--to PROGRAM] [options]",
+        "Writes a solid of another program, fitted to the model or to recordings: its law, mesh, supports\n"
+        "and a press, and the error of the plate's force. Or the fully relaxed network as springs of\n"
+        "CalculiX, with a static step to each depth.",
+        "  palpate export network.json --to febio --runs run1.csv,run2.csv --out tissue.feb\n"
         "  palpate export network.json --strain 0.1,0.2,0.3,0.4 --out network.inp\n"
         "  ccx -i network && cat network.dat\n",
         options,
@@ -48,6 +70,11 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
     int code = cli_parse(&command, argc, argv, model, 1, &n);
     if (code == CLI_OK && n == 0)
         return cli_usage_error("export", "name a MODEL.json; see palpate export --help");
+    if (code == CLI_OK && o->to > 0)
+        return check_solid(o);
+    if (code == CLI_OK && (o->runs || o->json))
+        return cli_usage_error("export", "--%s is for a solid; name a program by --to",
+                               o->json ? "json" : "runs");
     if (code == CLI_OK && (o->depth_mm.n > 0) == (o->strain.n > 0))
         return cli_usage_error("export", "give the depths by either --depth-mm or --strain");
     return code;
@@ -108,7 +135,13 @@ static int write_deck(const export_options *o, const palp_model *model, const ch
 }
 
 int cmd_export(int argc, char **argv) {
-    export_options o = {.points = CALCULIX_POINTS_MAX, .step_strain = 0.01};
+    export_options o = {.law = -1,
+                        .points = CALCULIX_POINTS_MAX,
+                        .nodes = 7,
+                        .step_strain = 0.01,
+                        .poisson = NAN,
+                        .rate_mm_s = 1,
+                        .density_kg_m3 = 1000};
     const char *path = NULL;
     palp_model model;
     palp_mesh_source source;
@@ -117,6 +150,8 @@ int cmd_export(int argc, char **argv) {
     int code = parse(argc, argv, &o, &path);
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
+    if (o.to > 0)
+        return export_solid(&o, path);
     code = open_model_of("export", path, PALP_MODEL_NETWORK,
                          "is a lumped model, which has no mesh; palpate calibrate makes a network of it",
                          &model, &source);
