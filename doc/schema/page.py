@@ -4,7 +4,7 @@ import json
 import os
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-ORDER = ["experiment", "model", "reduced", "characterize", "calibrate", "explain", "figure", "simulate", "inclusion", "reduce", "acquire", "firmware",
+ORDER = ["experiment", "model", "reduced", "characterize", "calibrate", "explain", "figure", "simulate", "inclusion", "reduce", "export", "acquire", "firmware",
          "protocol", "calibration", "machine", "calibrate_device", "actuator", "batch"]
 HEAD = """# Files and results in JSON
 

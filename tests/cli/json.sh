@@ -185,6 +185,12 @@ expect 0 batch jobs.json --out batch
 expect 0 batch texts.json --out batch
 set -- "$@" batch=jobs.json batch=each.json batch=texts.json
 
+# ---- export ----
+for to in abaqus mujoco newton; do
+    expect 0 export "$DATA/lumped_n1.json" --to $to --depth-mm 3 --nodes 3 --out scene --json && mv out export_$to.json
+    set -- "$@" export=export_$to.json
+done
+
 # ---- what comes with palpate, and what import makes ----
 for f in "$ROOT"/data/protocols/*.json; do set -- "$@" protocol=$f; done
 for f in "$ROOT"/data/sedef2008/*.json "$ROOT"/data/models/*.json "$ROOT"/data/rig/phantom_lag.json; do set -- "$@" model=$f; done

@@ -42,6 +42,8 @@ typedef struct export_law {
 typedef struct export_target {
     const char *name;
     palp_solid_time time;
+    size_t arms_max; /* of its Prony series */
+    bool slides;     /* its scene can have plates that slide */
     size_t n_laws;
     export_law laws[3];
     void (*write)(const export_scene *scene, FILE *to);

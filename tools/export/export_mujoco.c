@@ -2,7 +2,7 @@
  * an actuator moves; the passive force of the slide is that of the tissue. */
 #include "export.h"
 
-enum { STEPS = 1000 }; /* of the ramp */
+enum { STEPS = 1000 /* of the ramp */, STIFF = 2000 };
 
 static double volume_of(const double *x, const int32_t *t) {
     double e[3][3];
@@ -100,5 +100,7 @@ void export_mujoco(const export_scene *s, FILE *to) {
         s->depth_m, s->ramp_s, s->hold_s, s->ramp_s / STEPS);
     write_bodies(s, to);
     write_flex(s, to);
-    fputs("  <actuator><position joint=\"plate\" kp=\"1e7\"/></actuator>\n</mujoco>\n", to);
+    /* The actuator is STIFF times as stiff as the tissue: the depth is smaller by a share of 1 / STIFF. */
+    fprintf(to, "  <actuator><position joint=\"plate\" kp=\"%.9g\"/></actuator>\n</mujoco>\n",
+            STIFF * s->ramp_N / s->depth_m);
 }

@@ -16,31 +16,41 @@
     }
 
 const export_target export_targets[EXPORT_TARGETS] = {
-    {"calculix", PALP_SOLID_ELASTIC, ABAQUS_LAWS, export_calculix},
-    {"abaqus", PALP_SOLID_PRONY, ABAQUS_LAWS, export_abaqus},
+    {"calculix", PALP_SOLID_ELASTIC, PALP_ARMS_MAX, true, ABAQUS_LAWS, export_calculix},
+    {"abaqus", PALP_SOLID_PRONY, PALP_ARMS_MAX, true, ABAQUS_LAWS, export_abaqus},
     {"febio",
      PALP_SOLID_PRONY,
+     6,
+     true,
      1,
      {{PALP_SOLID_NEO_HOOKEAN_LOG, "neo-hookean", "neo-Hookean"}},
      export_febio},
     {"sofa",
      PALP_SOLID_RAYLEIGH,
+     PALP_ARMS_MAX,
+     false,
      2,
      {{PALP_SOLID_NEO_HOOKEAN_STABLE, "neo-hookean", "StableNeoHookean"},
       {PALP_SOLID_MOONEY_RIVLIN_LOG, "mooney-rivlin", "MooneyRivlin"}},
      export_sofa},
     {"mujoco",
      PALP_SOLID_MATERIAL,
+     PALP_ARMS_MAX,
+     true,
      1,
      {{PALP_SOLID_ST_VENANT, "st-venant", "Saint Venant-Kirchhoff"}},
      export_mujoco},
     {"newton",
      PALP_SOLID_SHEAR,
+     PALP_ARMS_MAX,
+     false,
      1,
      {{PALP_SOLID_NEO_HOOKEAN_STABLE, "neo-hookean", "stable neo-Hookean"}},
      export_newton},
     {"vega",
      PALP_SOLID_RAYLEIGH,
+     PALP_ARMS_MAX,
+     true,
      2,
      {{PALP_SOLID_NEO_HOOKEAN_LOG, "neo-hookean", "neoHookean"}, {PALP_SOLID_ST_VENANT, "st-venant", "StVK"}},
      export_vega},
@@ -152,10 +162,14 @@ static int choose_poisson(const export_options *o, const palp_model *model, expo
     return CLI_OK;
 }
 
-static void take_arms(const palp_model *model, export_scene *s) {
+static int take_arms(const palp_model *model, export_scene *s) {
     s->solid.n_arms = model->material.n_arms;
+    if (s->solid.n_arms > s->target->arms_max)
+        return cli_failure("export", "%s: has %zu arms; %s takes %zu", s->model, s->solid.n_arms,
+                           s->target->name, s->target->arms_max);
     for (size_t j = 0; j < s->solid.n_arms; j++)
         s->solid.tau_s[j] = model->material.arms[j].viscosity_Ns / model->material.arms[j].stiffness_N;
+    return CLI_OK;
 }
 
 static int write_scene(const export_options *o, const export_scene *s) {
@@ -174,6 +188,8 @@ int export_solid(const export_options *o, const char *path) {
                       .model = path,
                       .lumped_rms_N = NAN,
                       .density_kg_m3 = o->density_kg_m3};
+    if (o->slides && !s.target->slides)
+        return cli_usage_error("export", "%s's plates hold the tissue; leave --slide out", s.target->name);
     int code = choose_law(o, &s);
     code = code ? code : open_model("export", path, &model, &source);
     if (code)
@@ -186,8 +202,8 @@ int export_solid(const export_options *o, const char *path) {
         s.density_kg_m3 = model.density_kg_m3;
         model.density_kg_m3 = 0;
     }
-    take_arms(&model, &s);
-    code = choose_poisson(o, &model, &s);
+    code = take_arms(&model, &s);
+    code = code ? code : choose_poisson(o, &model, &s);
     code = code ? code : make_mesh(o, &model, &s);
     code = code ? code : export_fit(o, &model, &s);
     code = code ? code : export_press(&s);
