@@ -26,7 +26,8 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
                     "springs: depths, mm; one static step each. Solid: one depth, of the fit to\n"
                     "the model and of the scene (default the recordings', or a quarter of the height)"),
         cli_numbers("strain", "LIST", 0.95, &o->strain, "depths as a share of the height"),
-        cli_positive("rate-mm-s", "V", 1e4, &o->rate_mm_s, "solid: rate of the scene's ramp (default 1)"),
+        cli_positive("rate-mm-s", "V", 1e4, &o->rate_mm_s,
+                     "solid: rate of the scene's ramp (default the first recording's, or 1)"),
         cli_positive("hold-s", "T", 1e6, &o->hold_s,
                      "solid: dwell (default 3 of the longest relaxation times, at least 10)"),
         cli_heading("Solid"),
@@ -140,7 +141,6 @@ int cmd_export(int argc, char **argv) {
                         .nodes = 7,
                         .step_strain = 0.01,
                         .poisson = NAN,
-                        .rate_mm_s = 1,
                         .density_kg_m3 = 1000};
     const char *path = NULL;
     palp_model model;

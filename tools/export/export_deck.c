@@ -54,13 +54,14 @@ static void write_supports(const export_scene *s, FILE *to) {
     }
 }
 
-static void write_press(const export_scene *s, const char *procedure, double period_s, FILE *to) {
+static void write_press(const export_scene *s, const char *procedure, double period_s, const char *totals,
+                        FILE *to) {
     fprintf(to, "*STEP,NLGEOM,INC=100000\n%s\n%.9g,%.9g,%.3g,%.9g\n*BOUNDARY\n", procedure, 0.02 * period_s,
             period_s, 1e-8 * period_s, 0.02 * period_s);
     for (unsigned char held = 8; held < 16; held++)
         if (export_has_held(s, held))
             fprintf(to, "HELD%d,2,2,%.12g\n*NODE PRINT,NSET=HELD%d,TOTALS=%s\n", held, -1e3 * s->depth_m,
-                    held, s->solid.time == PALP_SOLID_PRONY ? "YES\nRF2" : "ONLY\nRF");
+                    held, totals);
     fputs("*END STEP\n", to);
 }
 
@@ -73,7 +74,7 @@ void export_calculix(const export_scene *s, FILE *to) {
     write_law(s, to);
     write_section(to);
     write_supports(s, to);
-    write_press(s, "*STATIC", s->ramp_s, to);
+    write_press(s, "*STATIC", s->ramp_s, "ONLY\nRF", to);
 }
 
 void export_abaqus(const export_scene *s, FILE *to) {
@@ -81,11 +82,12 @@ void export_abaqus(const export_scene *s, FILE *to) {
     fputs("** Units: mm, N, MPa, s. Run: abaqus job=DECK; a ramp, then a dwell.\n*HEADING\n tissue\n", to);
     write_mesh(s, to);
     write_law(s, to);
-    const bool relaxes = s->solid.n_arms > 0;
+    const bool relaxes = s->solid.time == PALP_SOLID_PRONY;
+    const char *procedure = relaxes ? "*VISCO,CETOL=0.01" : "*STATIC";
     if (relaxes)
         write_prony(&s->solid, to);
     write_section(to);
     write_supports(s, to);
-    write_press(s, relaxes ? "*VISCO,CETOL=0.01" : "*STATIC", s->ramp_s, to);
-    write_press(s, relaxes ? "*VISCO,CETOL=0.01" : "*STATIC", s->hold_s, to);
+    write_press(s, procedure, s->ramp_s, "YES\nRF2", to);
+    write_press(s, procedure, s->hold_s, "YES\nRF2", to);
 }

@@ -11,6 +11,7 @@
 #include <string.h>
 
 static const double DEEPEST = 0.25; /* of the height, where neither a depth nor a recording says another */
+static const double RATE_M_S = 1e-3;
 static const double SHORTEST_HOLD_S = 10,
                     HOLDS = 3; /* a dwell lasts so many of the longest relaxation times */
 
@@ -74,6 +75,8 @@ static int fit_runs(const palp_model *model, size_t n, const palp_recording *run
     }
     if (!(s->depth_m > 0))
         s->depth_m = deepest;
+    s->ramp_s = run[0].ramp_end_s - run[0].ramp_start_s;
+    s->ramp_s *= s->depth_m / run[0].deepest_m; /* at the rate of the first recording */
     s->n_runs = n;
     status = status ? status : palp_solid_fit(&s->solid, s->mesh, n, press, &s->info);
     if (!status && model->kind == PALP_MODEL_LUMPED)
@@ -168,13 +171,10 @@ int export_fit(const export_options *o, const palp_model *model, export_scene *s
                                "a depth of %g mm is not below the height of %g mm of %s; press less",
                                1e3 * s->depth_m, 1e3 * s->height_m, s->model);
     s->hold_s = o->hold_s > 0 ? o->hold_s : fmax(SHORTEST_HOLD_S, HOLDS * longest);
-    if (!o->runs) {
-        s->ramp_s = 1e3 * s->depth_m / o->rate_mm_s;
-        return fit_to_model(model, s);
-    }
-    const int code = fit_to_runs(o, model, s);
-    s->ramp_s = 1e3 * s->depth_m / o->rate_mm_s;
-    return code;
+    const int code = o->runs ? fit_to_runs(o, model, s) : CLI_OK;
+    if (o->rate_mm_s > 0 || !(s->ramp_s > 0))
+        s->ramp_s = s->depth_m / (o->rate_mm_s > 0 ? 1e-3 * o->rate_mm_s : RATE_M_S);
+    return o->runs ? code : fit_to_model(model, s);
 }
 
 int export_press(export_scene *s) {

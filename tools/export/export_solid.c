@@ -203,6 +203,8 @@ int export_solid(const export_options *o, const char *path) {
         model.density_kg_m3 = 0;
     }
     code = take_arms(&model, &s);
+    if (s.solid.n_arms == 0) /* a ramp alone would not tell a viscosity from the elasticity */
+        s.solid.time = PALP_SOLID_ELASTIC;
     code = code ? code : choose_poisson(o, &model, &s);
     code = code ? code : make_mesh(o, &model, &s);
     code = code ? code : export_fit(o, &model, &s);

@@ -45,7 +45,8 @@ void export_state(const export_scene *s, const char *prefix, FILE *to) {
     if (isfinite(s->lumped_rms_N))
         cli_say(to, "%sThe model itself: %.3g %% r.m.s. of the same recordings.", prefix,
                 percent_of_peak(s, s->lumped_rms_N));
-    cli_say(to, "%s%s", prefix, state_of_time(s));
+    cli_say(to, "%s%s", prefix,
+            s->solid.n_arms > 0 ? state_of_time(s) : "The model has no arms, so neither has the solid.");
     cli_say(to, "%sPressed to %.6g mm in %.6g s it gives %.6g N, and %.6g N after %.6g s more.", prefix,
             1e3 * s->depth_m, s->ramp_s, s->ramp_N, s->hold_N, s->hold_s);
     cli_say(to, "%sPoisson's ratio %.6g, plates that %s, these %zu linear tetrahedra.", prefix,
