@@ -26,6 +26,7 @@ UDEVDIR    ?= $(PREFIX)/lib/udev/rules.d
 IMAGEDIR    = $(BINDIR)/../lib/palpate
 OBJCOPY    ?= objcopy
 PKG_CONFIG ?= pkg-config
+# PETSC=1: palpate simulate --ranks, networks of millions of nodes over processes (PETSc, MPI).
 # GPL=1: also CHOLMOD's supernodal module, which makes the result GPL.
 # WERROR=1 (implied by CI=true): warnings are errors.  SANITIZE=1: AddressSanitizer and UBSan.  V=1: show commands.
 
@@ -42,8 +43,12 @@ SUITESPARSE_LIBS   ?= -lcholmod -lamd -lcolamd -lsuitesparseconfig
 # pthread variant behind that name: the serial one has no locks, and two threads that call it spoil each other's results.
 BLAS_LIBS ?= $(shell $(PKG_CONFIG) --libs lapack blas 2>/dev/null || echo -llapack -lblas)
 DEP_CFLAGS := $(SUITESPARSE_CFLAGS) $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags nlopt jansson 2>/dev/null))
+ifeq ($(PETSC),1)
+PETSC_CFLAGS := $(patsubst -I%,-isystem%,$(filter -I%,$(shell $(PKG_CONFIG) --cflags PETSc mpi-c)))
+PETSC_LIBS := $(shell $(PKG_CONFIG) --libs PETSc mpi-c)
+endif
 SIM_LIBS := $(SUITESPARSE_LIBS) $(shell $(PKG_CONFIG) --libs jansson 2>/dev/null || echo -ljansson) $(BLAS_LIBS) -lpthread -lm
-LIBS := $(shell $(PKG_CONFIG) --libs nlopt 2>/dev/null || echo -lnlopt) $(SIM_LIBS)
+LIBS := $(shell $(PKG_CONFIG) --libs nlopt 2>/dev/null || echo -lnlopt) $(SIM_LIBS) $(PETSC_LIBS)
 SERIAL_CFLAGS := $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags libserialport 2>/dev/null))
 SERIAL_LIBS  = $(shell $(PKG_CONFIG) --libs libserialport 2>/dev/null || echo -lserialport)
 # Optional: without it palpate panel says what is missing.
@@ -70,7 +75,8 @@ ALL_CFLAGS   := -std=c99 -fPIC -fvisibility=hidden $(FLOAT) $(WARNINGS) $(CFLAGS
 ALL_LDFLAGS  := -Wl,--as-needed $(SAN) $(LDFLAGS)
 
 # ---- files ---------------------------------------------------------------------------------------
-LIB_SRC    := $(wildcard lib/*.c lib/*/*.c)
+# Networks over processes: with PETSc, or the calls that say that it is missing.
+LIB_SRC    := $(filter-out $(if $(filter 1,$(PETSC)),lib/ranks/ranks_none.c,lib/ranks/petsc_%.c),$(wildcard lib/*.c lib/*/*.c))
 TOOL_SRC   := $(wildcard tools/*.c tools/*/*.c)
 LIB_TESTS  := $(wildcard tests/lib/test_*.c tests/lib/*/test_*.c)
 TOOL_TESTS := $(wildcard tests/tools/test_*.c)
@@ -126,6 +132,7 @@ $(BUILD)/flags: FORCE
 
 # Tools and examples see the public headers only; tests and benches also the internal ones.
 $(BUILD)/obj/lib/%.o: EXTRA := -Ilib
+$(BUILD)/obj/lib/ranks/%.o: EXTRA := -Ilib $(PETSC_CFLAGS)
 FIRMWARE_FLAGS := -Ifirmware/core -Ifirmware/board
 $(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS) $(HTTP_CFLAGS)
 # The pages of palpate panel and of results, as bytes.
@@ -341,4 +348,4 @@ clean: ## removes build/
 	rm -rf '$(BUILD)'
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
-	@echo "Variables: CC CFLAGS LDFLAGS PREFIX DESTDIR BUILD GPL=1 WERROR=1 SANITIZE=1 V=1"
+	@echo "Variables: CC CFLAGS LDFLAGS PREFIX DESTDIR BUILD GPL=1 PETSC=1 WERROR=1 SANITIZE=1 V=1"

@@ -197,6 +197,8 @@ typedef struct palp_run_settings {
     double dt_min_s;  /* error-controlled: first step of a segment; the smallest step is a thousandth of it
                          and accepted with any error. 0 = a fiftieth of the segment, smallest 1e-9 of it */
     bool relaxed;     /* every step fully relaxed (static) */
+    double from_s; /* > 0: go on from this time of the path, at which a restored network is: fixed steps that
+                      end until then are left out, and those that remain are those of the whole run */
     palp_network_observer observer; /* may be NULL */
     void *user;
 } palp_run_settings;

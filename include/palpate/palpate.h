@@ -21,6 +21,7 @@
 #include <palpate/palpation.h>
 #include <palpate/path.h>
 #include <palpate/random.h>
+#include <palpate/ranks.h>
 #include <palpate/realtime.h>
 #include <palpate/recording.h>
 #include <palpate/reduce.h>

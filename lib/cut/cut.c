@@ -164,7 +164,7 @@ static network_cut *create_cut_term(const palp_network *net) {
 palp_status palp_network_enable_cutting(palp_network *net) {
     if (!net || cut_of(net))
         return PALP_ERR_ARGUMENT;
-    if (net->surface_stays)
+    if (net->surface_stays || net->ranks)
         return PALP_ERR_UNSUPPORTED;
     network_cut *cut = create_cut_term(net);
     if (!cut)

@@ -49,6 +49,8 @@ void palp_network_free(palp_network *net) {
     for (size_t i = 0; i < net->n_terms; i++)
         network_term_free(net->terms[i]);
     linsys_free(net->ls);
+    if (net->ranks)
+        net->ranks->free(net->ranks);
     palp_mesh_free(net->mesh);
     arena_free(&net->memory);
     arena_free(&net->states);
@@ -74,7 +76,7 @@ static palp_status allocate_network_arrays(palp_network *net) {
     if (palp_mesh_element_scale(net->mesh) || net->n_regions > 0)
         net->scale = arena_take(&net->memory, m, sizeof *net->scale);
     net->dof = arena_take(&net->memory, n3, sizeof *net->dof);
-    net->slot = arena_take(&net->memory, 9 * m, sizeof *net->slot);
+    net->slot = net->ranks ? NULL : arena_take(&net->memory, 9 * m, sizeof *net->slot);
     net->slot_node = arena_take(&net->memory, 6 * net->n_nodes, sizeof *net->slot_node);
     return net->memory.failed ? PALP_ERR_NO_MEMORY : network_allocate_states(net);
 }
@@ -106,11 +108,9 @@ static palp_status number_free_unknowns(palp_network *net, size_t n, const palp_
         if (status)
             return status;
     }
-    for (size_t i = 0; i < 3 * net->n_nodes; i++) {
-        net->driven = net->driven || net->motion[i] != 0.0;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
             net->dof[i] = (int32_t)net->n_free++;
-    }
     return PALP_OK;
 }
 
@@ -135,13 +135,17 @@ static void share_mass_among_nodes(palp_network *net) {
 }
 
 static void measure_rest_lengths(palp_network *net) {
-    double low[3], high[3];
+    double low[3], high[3], motion[3] = {0.0};
     palp_mesh_bounds(net->mesh, low, high);
-    for (size_t k = 0; k < 3; k++)
-        net->extent = fmax(net->extent, high[k] - low[k]);
-    double motion[3] = {0.0};
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         motion[i % 3] = fmax(motion[i % 3], fabs(net->motion[i]));
+    for (size_t k = 0; k < 3; k++) {
+        low[k] = -network_largest_of_parts(net, -low[k]);
+        high[k] = network_largest_of_parts(net, high[k]);
+        motion[k] = network_largest_of_parts(net, motion[k]);
+        net->extent = fmax(net->extent, high[k] - low[k]);
+    }
+    net->driven = motion[0] + motion[1] + motion[2] > 0.0;
     size_t along = motion[1] >= motion[0] ? 1 : 0;
     along = motion[2] > motion[along] ? 2 : along;
     net->height = high[along] - low[along];
@@ -178,14 +182,14 @@ static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *m
         return status;
     measure_rest_lengths(net);
     status = network_make_runs(net);
-    if (!status)
+    if (!status && !net->ranks)
         status = network_make_pattern(net);
     if (status == PALP_ERR_UNSUPPORTED)
         return palp_error_set(error, status, "the supernodal solver needs a build with GPL=1");
     if (status)
         return status;
     /* a factorization costs more than ten evaluations (some 20 ns an element) at 20 Gflop/s */
-    net->reuse_factor = linsys_flops(net->ls) / 20e9 > 10.0 * 20e-9 * (double)net->n_elements;
+    net->reuse_factor = !net->ranks && linsys_flops(net->ls) / 20e9 > 10.0 * 20e-9 * (double)net->n_elements;
     palp_network_reset(net);
     if (net->mass)
         status = network_add_terms(net, 1, (network_term *[]){network_inertia_new(net)});
@@ -214,23 +218,39 @@ static bool are_settings_in_range(const palp_network_settings *s) {
            s->integrator <= PALP_GENERALIZED_ALPHA;
 }
 
-palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material, size_t n_supports,
-                                const palp_support *supports, const palp_network_settings *settings,
-                                palp_network **network, palp_error *error) {
-    if (!mesh || !material || (n_supports > 0 && !supports) || !settings || !network)
-        return palp_error_null(error);
+static palp_status check_material_and_settings(const palp_material *material,
+                                               const palp_network_settings *settings, palp_error *error) {
+    double rest = 0.0;
     palp_status status = palp_material_check(material, error);
     if (status)
         return status;
     if (!are_settings_in_range(settings))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a network setting is out of range");
-    double rest = 0.0;
     palp_law_stiffness(&material->law, 0.0, &rest, NULL);
     if (settings->poisson_ratio > 0.0 && !(rest > 0.0))
         return palp_error_set(error, PALP_ERR_ARGUMENT, "Poisson's ratio needs a law with stiffness at rest");
-    palp_network *net = calloc(1, sizeof *net);
-    if (!net)
-        return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
+    return PALP_OK;
+}
+
+palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material, size_t n_supports,
+                                const palp_support *supports, const palp_network_settings *settings,
+                                palp_network **network, palp_error *error) {
+    if (!mesh || !material || (n_supports > 0 && !supports) || !settings || !network)
+        return palp_error_null(error);
+    return network_create_part(mesh, material, n_supports, supports, settings, NULL, network, error);
+}
+
+palp_status network_create_part(const palp_mesh *mesh, const palp_material *material, size_t n_supports,
+                                const palp_support *supports, const palp_network_settings *settings,
+                                network_ranks *ranks, palp_network **network, palp_error *error) {
+    palp_status status = check_material_and_settings(material, settings, error);
+    palp_network *net = status ? NULL : calloc(1, sizeof *net);
+    if (!net) {
+        if (ranks)
+            ranks->free(ranks);
+        return status ? status : palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
+    }
+    net->ranks = ranks;
     net->settings = *settings;
     net->material = *material;
     net->rate_factor = 1.0;
@@ -326,8 +346,10 @@ palp_status palp_network_reaction(const palp_network *net, const char *set, doub
         return status;
     force_N[0] = force_N[1] = force_N[2] = 0.0;
     for (size_t i = 0; i < n; i++)
-        for (size_t k = 0; k < 3; k++)
+        for (size_t k = 0; k < 3 && network_owns(net, (size_t)nodes[i]); k++)
             force_N[k] += net->now.inner[3 * (size_t)nodes[i] + k];
+    if (net->ranks)
+        net->ranks->sum(net->ranks, 3, force_N);
     return PALP_OK;
 }
 

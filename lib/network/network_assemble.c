@@ -9,8 +9,23 @@ bool network_evaluate(palp_network *net) {
     return network_evaluate_blocks(net, NULL);
 }
 
+/* Adds what elements of other parts do. False: one has collapsed in some part. */
+static bool add_up_parts(palp_network *net, bool sound) {
+    double sums[3] = {!sound, sound ? net->force_squares : 0.0, sound ? net->tangent_squares : 0.0};
+    net->ranks->sum(net->ranks, 3, sums);
+    if (sums[0] > 0.0)
+        return false;
+    net->force_squares = sums[1];
+    net->tangent_squares = sums[2];
+    net->ranks->complete(net->ranks, 3, net->fint);
+    return true;
+}
+
 bool network_evaluate_blocks(palp_network *net, const network_blocks *blocks) {
-    if (!network_element_forces(net, blocks))
+    bool sound = network_element_forces(net, blocks);
+    if (net->ranks)
+        sound = add_up_parts(net, sound);
+    if (!sound)
         return false;
     network_evaluate_terms(net);
     return isfinite(net->force_squares);
@@ -30,6 +45,17 @@ double network_shared_length(const palp_network *net) {
     return sum;
 }
 
+/* Sum of the squares of rhs. */
+static double square_of_residual(const palp_network *net) {
+    if (!net->ranks)
+        return network_dot(net->rhs, net->rhs, net->n_free);
+    double sum = 0.0;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0 && network_owns(net, i / 3))
+            sum += net->rhs[net->dof[i]] * net->rhs[net->dof[i]];
+    return network_sum_of_parts(net, sum);
+}
+
 double network_residual(palp_network *net, double *scale) {
     double squares = net->outer_squares, *r = net->unbalanced;
     memcpy(r, net->fint, 3 * net->n_nodes * sizeof *r);
@@ -41,10 +67,9 @@ double network_residual(palp_network *net, double *scale) {
      * In forces of terms it is that times their stiffness, which may be large. */
     *scale = net->settings.tolerance * sqrt(net->force_squares) + 2e-15 * sqrt(net->tangent_squares) +
              1e-15 * sqrt(squares);
-    return sqrt(network_dot(net->rhs, net->rhs, net->n_free));
+    return sqrt(square_of_residual(net));
 }
 
-/* k = (tangent / L0) n n' + (force / L) (1 - n n'), lower triangle xx yx yy zx zy zz. */
 static inline void element_tangent_block(const palp_network *net, size_t i, double k[6]) {
     const size_t m = net->n_elements;
     const double n[3] = {net->direction[i], net->direction[m + i], net->direction[2 * m + i]};
@@ -57,6 +82,10 @@ static inline void element_tangent_block(const palp_network *net, size_t i, doub
     k[3] = p0 * n[2];
     k[4] = p1 * n[2];
     k[5] = along * n[2] * n[2] + across;
+}
+
+void network_element_block(const palp_network *net, size_t i, double k[6]) {
+    element_tangent_block(net, i, k);
 }
 
 void network_set_diagonal(palp_network *net, double shift) {
@@ -141,6 +170,10 @@ void network_assemble(palp_network *net, double shift) {
 }
 
 palp_status network_factor(palp_network *net, double shift, int *negative) {
+    if (net->ranks) {
+        *negative = -1;
+        return net->ranks->factor(net->ranks, net);
+    }
     network_assemble(net, shift);
     return linsys_factor(net->ls, negative);
 }
@@ -153,6 +186,17 @@ static void multiply_element_block(const palp_network *net, size_t i, const doub
     out[0] = k[0] * d[0] + k[1] * d[1] + k[3] * d[2];
     out[1] = k[1] * d[0] + k[2] * d[1] + k[4] * d[2];
     out[2] = k[3] * d[0] + k[4] * d[1] + k[5] * d[2];
+}
+
+/* Adds up column[n_free] over the parts. */
+static void complete_unknowns(palp_network *net, double *column) {
+    double *all = net->unbalanced;
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        all[i] = net->dof[i] < 0 ? 0.0 : column[net->dof[i]];
+    net->ranks->complete(net->ranks, 3, all);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        if (net->dof[i] >= 0)
+            column[net->dof[i]] = all[i];
 }
 
 void network_drive_column(palp_network *net, double *column) {
@@ -169,6 +213,8 @@ void network_drive_column(palp_network *net, double *column) {
         }
     }
     double *pull = net->unbalanced;
+    if (net->ranks)
+        complete_unknowns(net, column);
     memset(pull, 0, 3 * net->n_nodes * sizeof *pull);
     NETWORK_EACH_TERM(net, times, net, net->motion, pull);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
@@ -200,7 +246,13 @@ bool network_energy(palp_network *net, double *energy) {
 
 double network_drive_force(const palp_network *net) {
     const size_t n = 3 * net->n_nodes;
-    return -network_dot(net->motion, net->fint, n) - network_dot(net->motion, net->outer, n);
+    if (!net->ranks)
+        return -network_dot(net->motion, net->fint, n) - network_dot(net->motion, net->outer, n);
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        if (network_owns(net, i / 3))
+            sum -= net->motion[i] * (net->fint[i] + net->outer[i]);
+    return network_sum_of_parts(net, sum);
 }
 
 /* u' T u with the tangent T of the terms. Their constant diagonal counts on free axes only: the plate's
@@ -208,12 +260,13 @@ double network_drive_force(const palp_network *net) {
 static double curvature_of_terms_along(const palp_network *net, const double *u) {
     double sum = 0.0, *pull = net->unbalanced;
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        if (net->dof[i] >= 0)
+        if (net->dof[i] >= 0 && network_owns(net, i / 3))
             sum += net->diagonal[i] * u[i] * u[i];
     memset(pull, 0, 3 * net->n_nodes * sizeof *pull);
     NETWORK_EACH_TERM(net, times, net, u, pull);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
-        sum += pull[i] * u[i];
+        if (network_owns(net, i / 3))
+            sum += pull[i] * u[i];
     return sum;
 }
 
@@ -243,5 +296,6 @@ palp_status network_weights(palp_network *net, double *weight, double *stiffness
         if (net->base_share)
             weight[i] *= net->base_share[i];
     }
+    *stiffness = network_sum_of_parts(net, *stiffness);
     return PALP_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "base/arena.h"
 #include "material/element.h"
+#include "network_ranks.h"
 #include "network_term.h"
 #include "solve/linsys.h"
 
@@ -100,6 +101,7 @@ struct palp_network {
     network_term *terms[NETWORK_TERMS];
     size_t n_terms;
 
+    network_ranks *ranks; /* of a part of a larger network, or NULL; then there are no ls and slots */
     linsys *ls;
     uint32_t *slot;       /* [9 n_elements] value slots of block (b, a) by rows */
     uint32_t *slot_node;  /* [6 n_nodes] of the lower triangle of a node's own block */
@@ -187,6 +189,7 @@ void network_mark_restore(palp_network *net);
 /* Continues a checksum, which starts with NETWORK_SUM, over more bytes. */
 #define NETWORK_SUM UINT64_C(0xcbf29ce484222325)
 uint64_t network_sum(uint64_t sum, const void *data, size_t bytes);
+uint64_t network_sum_of_material(uint64_t sum, const palp_material *m);
 
 /* ---- network_regions.c ---- */
 
@@ -256,6 +259,20 @@ double network_dot(const double *a, const double *b, size_t n);
 
 /* Root of the sum of (a[i] - b[i])^2. */
 double network_distance(const double *a, const double *b, size_t n);
+
+/* k = (tangent / L0) n n' + (force / L) (1 - n n') of element i, lower triangle xx yx yy zx zy zz. */
+void network_element_block(const palp_network *net, size_t i, double k[6]);
+
+/* ---- network_parts.c ---- */
+
+/* Over all parts of the network. */
+double network_sum_of_parts(const palp_network *net, double value);
+double network_largest_of_parts(const palp_network *net, double value);
+
+/* Does a node count in this part? */
+static inline bool network_owns(const palp_network *net, size_t node) {
+    return !net->ranks || net->ranks->own[node];
+}
 
 /* ---- network_assemble.c ---- */
 

@@ -179,6 +179,8 @@ static palp_status solve_on_stable_branch(palp_network *net, palp_step_info *inf
 }
 
 palp_status network_newton(palp_network *net, palp_step_info *info) {
+    if (net->ranks)
+        return net->ranks->newton(net->ranks, net, info);
     if (net->settings.branch == PALP_BRANCH_STABLE)
         return solve_on_stable_branch(net, info);
     palp_status status = solve_on_current_branch(net, info);

@@ -125,6 +125,8 @@ palp_status network_make_pattern(palp_network *net) {
 }
 
 palp_status network_add_pairs(palp_network *net, size_t n, const int32_t *low, const int32_t *high) {
+    if (net->ranks)
+        return PALP_ERR_UNSUPPORTED;
     net->other_pair = arena_take(&net->memory, 2 * n, sizeof *net->other_pair);
     net->other_slot = arena_take(&net->memory, 9 * n, sizeof *net->other_slot);
     if (net->memory.failed)

@@ -293,6 +293,8 @@ void network_find_units(palp_network *net) {
         net->unit[net->pair[i]] +=
             ratio * (net->scale ? net->scale[i / 2] : 1.0) * net->inverse_rest[i / 2] / 3.0;
     }
+    if (net->ranks)
+        net->ranks->complete(net->ranks, 1, net->unit);
     if (!net->stiffer)
         return;
     memset(net->stiffer, 0, net->n_nodes * sizeof *net->stiffer);
@@ -322,7 +324,7 @@ double network_beyond(const palp_network *net, const double *strain) {
                 largest = fmax(largest, fabs(strain[i]));
         beyond = fmax(beyond, palp_law_beyond(&m.material->law, largest));
     }
-    return beyond;
+    return network_largest_of_parts(net, beyond);
 }
 
 palp_status network_change_region(palp_network *net, size_t of, const double *part, double stiffness) {

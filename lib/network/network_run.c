@@ -43,6 +43,8 @@ static palp_status run_segment_in_fixed_steps(run *r, double from, double to) {
     palp_status status = PALP_OK;
     for (double i = 1.0; i <= count && !status; i += 1.0) {
         double t = i < count ? from + (to - from) * i / count : to;
+        if (t <= r->settings->from_s)
+            continue;
         status = advance_to_path_time(r, t, (to - from) / count, true);
         r->info->steps += !status;
         if (!status)
@@ -156,6 +158,8 @@ static palp_status check_run_settings(const run *r) {
     const palp_run_settings *s = r->settings;
     if (p->n == 0 || (!p->depth_m && !p->force_N) || !(s->tolerance >= 0.0) || !(s->dt_min_s >= 0.0))
         return PALP_ERR_ARGUMENT;
+    if (!(s->from_s >= 0.0) || (s->from_s > 0.0 && s->tolerance > 0.0))
+        return PALP_ERR_ARGUMENT;
     return s->tolerance > 0.0 || s->dt_s > 0.0 ? PALP_OK : PALP_ERR_ARGUMENT;
 }
 
@@ -167,9 +171,10 @@ palp_status palp_network_run(palp_network *network, const palp_path *path, const
     run r = {network, path, settings, &local};
     palp_status status = check_run_settings(&r);
     double start = status ? 0.0 : palp_path_at(path, path->time_s[0]);
-    if (!status && start != (path->depth_m ? network->now.depth : network->now.force))
+    const bool anew = settings->from_s == 0.0;
+    if (!status && anew && start != (path->depth_m ? network->now.depth : network->now.force))
         status = advance_to_path_time(&r, path->time_s[0], 0.0, true);
-    if (!status)
+    if (!status && anew)
         status = observe_committed_state(&r, path->time_s[0]);
     for (size_t i = 0; i + 1 < path->n && !status; i++) {
         double from = path->time_s[i], to = path->time_s[i + 1];

@@ -10,6 +10,8 @@ static const double SHARE = 1e-8; /* of the right-hand side that conjugate gradi
 enum { MOST = 400 };              /* of their iterations */
 
 palp_status network_make_far_room(palp_network *net, size_t more) {
+    if (net->ranks)
+        return PALP_ERR_UNSUPPORTED;
     network_far far = {.room = net->far.room + more};
     far.node = arena_take(&net->memory, 2 * far.room, sizeof *far.node);
     far.block = arena_take(&net->memory, 9 * far.room, sizeof *far.block);
@@ -51,6 +53,10 @@ void network_solve(palp_network *net, double *x) {
     const size_t n = net->n_free;
     network_far *f = &net->far;
     double before = 0.0, square;
+    if (net->ranks) {
+        net->ranks->solve(net->ranks, net, x);
+        return;
+    }
     if (f->n == 0) {
         linsys_solve(net->ls, x);
         return;

@@ -249,7 +249,7 @@ uint64_t network_sum(uint64_t sum, const void *data, size_t bytes) {
     return sum;
 }
 
-static uint64_t sum_of_material(uint64_t sum, const palp_material *m) {
+uint64_t network_sum_of_material(uint64_t sum, const palp_material *m) {
     const uint64_t number[] = {m->law.kind, m->law.n, m->n_arms, m->quasi_linear, m->formulation};
     const double value[] = {m->law.area_m2, m->law.strain_max, m->dashpot_Ns};
     sum = network_sum(sum, number, sizeof number);
@@ -276,14 +276,14 @@ static uint64_t fingerprint_of_network(const palp_network *net) {
     const int32_t *node;
     uint64_t sum = network_sum(NETWORK_SUM, number, sizeof number);
     sum = network_sum(sum, value, sizeof value);
-    sum = sum_of_material(sum, &net->material);
+    sum = network_sum_of_material(sum, &net->material);
     for (size_t r = 0; r < net->n_regions; r++) {
         const network_region *region = &net->region[r];
         const double own[] = {region->given.stiffness, region->given.poisson_ratio};
         sum = network_sum(sum, own, sizeof own);
         sum = network_sum(sum, region->inside,
                           mesh_solids(net->mesh, &corners, &node) * sizeof *region->inside);
-        sum = region->share ? sum_of_material(sum, &region->given.own_material) : sum;
+        sum = region->share ? network_sum_of_material(sum, &region->given.own_material) : sum;
     }
     sum = network_sum(sum, net->rest, n3 * sizeof *net->rest);
     sum = network_sum(sum, net->pair, 2 * net->n_elements * sizeof *net->pair);

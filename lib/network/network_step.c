@@ -173,7 +173,7 @@ static palp_status solve_to_stable_branch(palp_network *net, double depth, doubl
     palp_status status = solve_from_extrapolation(net, depth, time, info);
     const bool ended = status == PALP_ERR_NOT_CONVERGED || status == PALP_ERR_BUCKLED ||
                        status == PALP_ERR_COLLAPSED || (!status && info->negative_pivots > 0);
-    if (!ended || own != PALP_BRANCH_CONTINUE || net->no_approach || !has_any_tool_path(net))
+    if (!ended || own != PALP_BRANCH_CONTINUE || net->no_approach || net->ranks || !has_any_tool_path(net))
         return status;
     net->settings.branch = PALP_BRANCH_STABLE;
     NETWORK_EACH_TERM(net, begin, net);
@@ -187,7 +187,7 @@ static palp_status solve_to_stable_branch(palp_network *net, double depth, doubl
  * plate has moved by check_strain since the last time. */
 static void assess_tangent_stability(palp_network *net, palp_step_info *info) {
     bool due = fabs(net->next.depth - net->checked_depth) >= net->settings.check_strain * net->height;
-    if (!net->buckled && (info->negative_pivots > 0 || (info->negative_pivots < 0 && due))) {
+    if (!net->ranks && !net->buckled && (info->negative_pivots > 0 || (info->negative_pivots < 0 && due))) {
         int negative;
         palp_status status = network_factor(net, 0.0, &negative);
         info->negative_pivots = status ? 1 : negative;
@@ -290,7 +290,7 @@ double network_largest_strain(const palp_network *net, const double *strain) {
 }
 
 double palp_network_strain_max(const palp_network *net) {
-    return net ? network_largest_strain(net, net->now.history.strain) : 0.0;
+    return net ? network_largest_of_parts(net, network_largest_strain(net, net->now.history.strain)) : 0.0;
 }
 
 palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, palp_step_info *info) {
@@ -305,7 +305,8 @@ palp_status palp_network_try(palp_network *net, double depth_m, double dt_s, pal
         status = network_finish(net);
     if (!status) {
         local.force_N = net->next.force;
-        local.inverted = network_count_inverted(net, net->next.x, 0, 1);
+        local.inverted =
+            (size_t)network_sum_of_parts(net, (double)network_count_inverted(net, net->next.x, 0, 1));
         local.beyond = network_beyond(net, net->next.history.strain);
         assess_tangent_stability(net, &local);
         net->trial = true;

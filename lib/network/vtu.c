@@ -14,7 +14,8 @@
 struct palp_vtu {
     char *folder, *name;
     size_t n, capacity;
-    double *time_s; /* [capacity] one for each frame, n of them used */
+    double *time_s;  /* [capacity] one for each frame, n of them used */
+    int rank, parts; /* of a network in parts, of which each process writes one; parts: 0 = whole */
 };
 
 enum { VTK_LINE = 3 };
@@ -152,8 +153,25 @@ static void print_frame_document(FILE *f, const palp_network *network, const dou
     fputs("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", f);
 }
 
-static palp_status write_frame_file(const char *path, const palp_network *network, const double *force_N,
-                                    palp_error *error) {
+/* The frame of a network whose parts are in files of their own. */
+static void print_frame_of_parts(FILE *f, const palp_vtu *series) {
+    fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\">\n"
+          "<PUnstructuredGrid GhostLevel=\"0\">\n"
+          "<PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n</PPoints>\n"
+          "<PPointData Vectors=\"displacement\">\n"
+          "<PDataArray type=\"Float64\" Name=\"displacement\" NumberOfComponents=\"3\"/>\n</PPointData>\n"
+          "<PCellData Scalars=\"strain\">\n"
+          "<PDataArray type=\"Float64\" Name=\"strain\" NumberOfComponents=\"1\"/>\n"
+          "<PDataArray type=\"Float64\" Name=\"force_N\" NumberOfComponents=\"1\"/>\n</PCellData>\n",
+          f);
+    for (int i = 0; i < series->parts; i++)
+        fprintf(f, "<Piece Source=\"%s_%04zu_%d.vtu\"/>\n", series->name, series->n, i);
+    fputs("</PUnstructuredGrid>\n</VTKFile>\n", f);
+}
+
+/* network: NULL = the frame of the parts. */
+static palp_status write_frame_file(const char *path, const palp_vtu *series, const palp_network *network,
+                                    const double *force_N, palp_error *error) {
     palp_file file;
     palp_locale locale;
     palp_status status = palp_file_begin(&file, path, error);
@@ -163,7 +181,10 @@ static palp_status write_frame_file(const char *path, const palp_network *networ
         palp_file_abandon(&file);
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", path);
     }
-    print_frame_document(file.stream, network, force_N);
+    if (network)
+        print_frame_document(file.stream, network, force_N);
+    else
+        print_frame_of_parts(file.stream, series);
     palp_locale_leave(&locale);
     return palp_file_commit(&file, false, error);
 }
@@ -181,19 +202,38 @@ static bool grow_series_times(palp_vtu *series) {
     return true;
 }
 
+static palp_status write_frame_of_parts(const palp_vtu *series, palp_error *error) {
+    char ending[48];
+    snprintf(ending, sizeof ending, "_%04zu.pvtu", series->n);
+    char *path = path_in_series_folder(series, ending);
+    palp_status status = path
+                             ? write_frame_file(path, series, NULL, NULL, error)
+                             : palp_error_set(error, PALP_ERR_NO_MEMORY, "%s: out of memory", series->folder);
+    free(path);
+    return status;
+}
+
 palp_status palp_vtu_add(palp_vtu *series, const palp_network *network, palp_error *error) {
     if (!series || !network)
         return palp_error_null(error);
-    char ending[48];
-    snprintf(ending, sizeof ending, "_%04zu.vtu", series->n);
+    char ending[64];
+    if (network->ranks) {
+        series->rank = network->ranks->rank;
+        series->parts = network->ranks->count;
+        snprintf(ending, sizeof ending, "_%04zu_%d.vtu", series->n, series->rank);
+    } else
+        snprintf(ending, sizeof ending, "_%04zu.vtu", series->n);
     char *path = path_in_series_folder(series, ending);
     double *force_N = malloc((palp_mesh_element_count(palp_network_mesh(network)) + 1) * sizeof *force_N);
     palp_status status = PALP_ERR_NO_MEMORY;
     if (path && force_N && grow_series_times(series)) {
         palp_network_element_force(network, force_N);
-        status = write_frame_file(path, network, force_N, error);
+        status = write_frame_file(path, series, network, force_N, error);
+        if (!status && series->parts > 0 && series->rank == 0)
+            status = write_frame_of_parts(series, error);
     } else
         palp_error_set(error, status, "%s: out of memory", series->folder);
+    status = (palp_status)network_largest_of_parts(network, (double)status);
     if (!status)
         series->time_s[series->n++] = palp_network_time(network);
     free(path);
@@ -206,7 +246,8 @@ static void print_series_document(FILE *f, const palp_vtu *series) {
     fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", f);
     for (size_t i = 0; i < series->n; i++) {
         palp_number_format(series->time_s[i], text);
-        fprintf(f, "<DataSet timestep=\"%s\" part=\"0\" file=\"%s_%04zu.vtu\"/>\n", text, series->name, i);
+        fprintf(f, "<DataSet timestep=\"%s\" part=\"0\" file=\"%s_%04zu.%s\"/>\n", text, series->name, i,
+                series->parts > 0 ? "pvtu" : "vtu");
     }
     fputs("</Collection>\n</VTKFile>\n", f);
 }
@@ -232,7 +273,7 @@ static palp_status write_series_file(const palp_vtu *series, palp_error *error) 
 palp_status palp_vtu_close(palp_vtu *series, palp_error *error) {
     if (!series)
         return PALP_OK;
-    palp_status status = write_series_file(series, error);
+    palp_status status = series->rank == 0 ? write_series_file(series, error) : PALP_OK;
     free_series_memory(series);
     return status;
 }

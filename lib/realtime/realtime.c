@@ -140,6 +140,8 @@ palp_status palp_realtime_create(palp_network *net, const palp_realtime_settings
                                  palp_realtime **realtime) {
     if (!net || !settings || !realtime || net->stepped)
         return PALP_ERR_ARGUMENT;
+    if (net->ranks)
+        return PALP_ERR_UNSUPPORTED;
     if (!(settings->refresh_share > 0.0 && settings->refresh_share < 1.0))
         return PALP_ERR_ARGUMENT;
     palp_realtime *rt = calloc(1, sizeof *rt);

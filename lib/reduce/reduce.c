@@ -314,6 +314,8 @@ palp_status palp_reduced_create(palp_network *net, size_t n_paths, palp_snapshot
         return palp_error_null(error);
     palp_status status =
         check_creation_arguments(net, n_paths, snapshots, n_held_out, held_out, settings, error);
+    if (!status && net->ranks)
+        status = palp_error_set(error, PALP_ERR_UNSUPPORTED, "a part of a network cannot be reduced");
     if (status)
         return status;
     palp_reduced *made = NULL;

@@ -330,6 +330,24 @@ START_TEST(null_in_vtu) {
 }
 END_TEST
 
+START_TEST(null_in_ranks) {
+    REFUSED(palp_ranks_start(NULL, NULL));
+    NOTHING(palp_ranks_rank(NULL) == 0 && palp_ranks_count(NULL) == 1);
+    NOTHING(palp_ranks_agree(NULL, PALP_ERR_INPUT, NULL) == PALP_ERR_INPUT);
+    REFUSED(palp_ranks_network(NULL, &model, mesh, 0, NULL, NULL, false, (void *)pointers, NULL));
+    REFUSED(palp_ranks_network((void *)storage, NULL, mesh, 0, NULL, NULL, false, (void *)pointers, NULL));
+    REFUSED(palp_ranks_network((void *)storage, &model, mesh, 0, NULL, NULL, false, NULL, NULL));
+    REFUSED(palp_ranks_save(NULL, text, 0, NULL, NULL));
+    REFUSED(palp_ranks_save(net, NULL, 0, NULL, NULL));
+    REFUSED(palp_ranks_save(net, text, 1, NULL, NULL));
+    REFUSED(palp_ranks_restore(NULL, text, (void *)storage, (void *)pointers, NULL));
+    REFUSED(palp_ranks_restore(net, NULL, (void *)storage, (void *)pointers, NULL));
+    REFUSED(palp_ranks_restore(net, text, NULL, (void *)pointers, NULL));
+    REFUSED(palp_ranks_restore(net, text, (void *)storage, NULL, NULL));
+    palp_ranks_finish(NULL);
+}
+END_TEST
+
 START_TEST(null_in_forward) {
     NOTHING(!palp_forward_parameter_count(NULL));
     REFUSED(palp_forward_get(NULL, numbers));
@@ -374,6 +392,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, null_in_palpation);
     tcase_add_test(tc, null_in_tie);
     tcase_add_test(tc, null_in_vtu);
+    tcase_add_test(tc, null_in_ranks);
     tcase_add_test(tc, null_in_forward);
     tcase_add_test(tc, null_in_specimen);
 }

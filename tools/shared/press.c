@@ -222,8 +222,11 @@ palp_status press_network(palp_network *network, const palp_path *path, const pr
         run.dt_s = length / RELAXED_STEPS;
     else if (run.dt_s <= 0)
         run.tolerance = settings->tolerance;
+    run.from_s = settings->from_s;
     bool at_rest = path->force_N ? path->force_N[0] <= 0 : path->depth_m[0] == 0;
-    if (at_rest) {
+    if (run.from_s > 0)
+        at_corner(&o, run.from_s);
+    else if (at_rest) {
         o.status = record_add(curve, path->time_s[0], 0, 0);
         o.corner = 1;
     }

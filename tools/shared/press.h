@@ -14,6 +14,8 @@ typedef struct press_settings {
     double tolerance; /* else: relative error of the force (of the depth, creep) */
     bool relaxed;     /* every sample fully relaxed */
     bool corners;     /* keep only the samples at the path's corners */
+    double from_s;    /* network, fixed steps: > 0: it is restored at this time of the path, and the curve
+                         has what was before */
 } press_settings;
 
 /* Sample times for a path: its corners only; or steps of at most dt_s; or, if dt_s is 0, even steps
@@ -24,8 +26,8 @@ palp_status press_times(const palp_path *path, const press_settings *settings, s
 palp_status press_lumped(const palp_material *material, double height_m, const palp_path *path,
                          const press_settings *settings, record *curve);
 
-/* A network at rest. bar may be NULL; frame may be NULL, else it is called after each step and stops the
- * run by a non-zero return. */
+/* A network at rest, or restored. bar may be NULL; frame may be NULL, else it is called after each step and
+ * stops the run by a non-zero return. */
 typedef struct press_watch {
     progress *bar;
     int (*frame)(void *user);

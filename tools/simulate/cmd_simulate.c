@@ -46,6 +46,9 @@ static int parse(int argc, char **argv, simulate_options *o) {
                    "Newton's method finds (default), or a stable one"),
         cli_counts("nodes", "N[,N,N]", 2, 200, &o->nodes,
                    "nodes along x, y and z, instead of those of the model's lattice"),
+        cli_count("ranks", "N", 1, 1e5, &o->ranks,
+                  "divide a network over N processes of mpirun, for millions of nodes (a\n"
+                  "build with PETSC=1)"),
         cli_choice("solver", "auto|band|simplicial|supernodal", &o->solver, "sparse solver (default auto)"),
         cli_heading("Tester"),
         cli_positive("sample-Hz", "F", 1e9, &o->sample_Hz,
@@ -64,8 +67,13 @@ static int parse(int argc, char **argv, simulate_options *o) {
                  "lose the samples from T0 s until before T1 s; several: T0,T1,T0,T1"),
         cli_heading("Output"),
         cli_out("out", "RUN.csv", &o->out, "the run (default: standard output)"),
-        cli_out_folder("vtu", "DIR", &o->vtu, "network.pvd network_*.vtu",
+        cli_out_folder("vtu", "DIR", &o->vtu, "network.pvd network_*.vtu network_*.pvtu",
                        "frames for ParaView, DIR/network.pvd (networks only)"),
+        cli_out("checkpoint", "FILE", &o->checkpoint,
+                "the state of a run with --ranks and --dt-ms, to go on from"),
+        cli_count("checkpoint-every", "N", 1, 1e9, &o->checkpoint_every,
+                  "write it every N steps (default 1)"),
+        cli_in("restart", "FILE", &o->restart, "go on from such a state with the same options"),
         cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "write a frame every N steps (default 1)"),
         cli_flag("band", &o->band,
                  "columns force_low_N and force_high_N: 95 % band of the force from the model's\n"
@@ -216,7 +224,7 @@ static void simulate_judge_range(simulation *s) {
 }
 
 static int run_lumped(const simulate_options *o, simulation *s) {
-    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
+    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0, 0};
     palp_status status = press_lumped(&s->model.material, s->height_m, &s->path, &press, &s->curve);
     if (status == PALP_ERR_COLLAPSED) {
         cli_failure(NAME, "%g N press the specimen beyond 95 %% of its height; lower --force-N", o->force_N);
@@ -243,16 +251,20 @@ static int run_plain(const simulate_options *o, simulation *s) {
     int code = s->model.kind == PALP_MODEL_NETWORK ? simulate_network(o, s) : run_lumped(o, s);
     if (code || !pulls(o, s))
         return code;
-    if (o->vtu) {
-        cli_warning(NAME, "with --vtu the plate stays bonded to the specimen and pulls on its way back; "
-                          "without --vtu it lifts off");
+    if (o->vtu || s->ranks) {
+        const char *option = o->vtu ? "vtu" : "ranks";
+        cli_warning(NAME,
+                    "with --%s the plate stays bonded to the specimen and pulls on its way back; without "
+                    "--%s it lifts off",
+                    option, option);
         return code;
     }
     record_free(&s->curve);
     return simulate_effects(o, s);
 }
 
-static int simulate(const simulate_options *o, simulation *s) {
+/* Reads the model and makes the path. */
+static int prepare(const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
     palp_status status = simulate_is_reduced(o->model)
                              ? palp_reduced_read(o->model, &s->model, &s->source, &s->reduced, &error)
@@ -269,21 +281,20 @@ static int simulate(const simulate_options *o, simulation *s) {
     if (code == CLI_OK)
         code = make_path(o, s->like, s->model.n_effects > 0, &s->path);
     code = code ? code : simulate_resample(o, &s->path);
-    bool network = s->model.kind == PALP_MODEL_NETWORK && !s->reduced;
     s->height_m = s->reduced ? palp_reduced_describe(s->reduced).height_m : s->model.height_m;
-    if (code == CLI_OK && s->reduced) {
-        code = s->height_m > 0 ? check_path(o, &s->path, s->height_m) : CLI_OK;
-        code = code ? code : simulate_reduced(o, s);
-        simulate_judge_range(s);
-        code = code ? code : simulate_sense(o, s);
-        return code ? code : simulate_report(o, s);
-    }
-    if (code == CLI_OK && network)
+    if (code == CLI_OK && s->model.kind == PALP_MODEL_NETWORK && !s->reduced)
         code = simulate_mesh(o, s);
-    code = code ? code : check_path(o, &s->path, s->height_m);
+    return code || !(s->height_m > 0) ? code : check_path(o, &s->path, s->height_m);
+}
+
+static int simulate(const simulate_options *o, simulation *s) {
+    int code = simulate_ranks_agree(o, s, prepare(o, s));
     if (code)
         return code;
-    code = s->model.n_effects > 0 ? simulate_effects(o, s) : run_plain(o, s);
+    if (s->reduced)
+        code = simulate_reduced(o, s);
+    else
+        code = s->model.n_effects > 0 ? simulate_effects(o, s) : run_plain(o, s);
     simulate_judge_range(s);
     code = code ? code : simulate_sense(o, s);
     if (code == CLI_OK && o->band)
@@ -292,8 +303,13 @@ static int simulate(const simulate_options *o, simulation *s) {
 }
 
 int cmd_simulate(int argc, char **argv) {
-    simulate_options o = {
-        .protocol = -1, .tip = -1, .hold_s = -1, .vtu_every = 1, .seed = SIZE_MAX, .tip_mm = {NAN, NAN}};
+    simulate_options o = {.protocol = -1,
+                          .tip = -1,
+                          .hold_s = -1,
+                          .vtu_every = 1,
+                          .checkpoint_every = 1,
+                          .seed = SIZE_MAX,
+                          .tip_mm = {NAN, NAN}};
     simulation s;
     int code = parse(argc, argv, &o);
     if (code)
@@ -303,8 +319,12 @@ int cmd_simulate(int argc, char **argv) {
         return code;
     set_defaults(&o);
     memset(&s, 0, sizeof s);
-    code = simulate(&o, &s);
+    code = simulate_ranks_start(argc, argv, &o, &s);
+    code = code ? code : simulate(&o, &s);
     palp_network_free(s.network);
+    if (palp_ranks_rank(s.ranks) > 0)
+        code = CLI_OK; /* the first process answers for all */
+    palp_ranks_finish(s.ranks);
     palp_reduced_free(s.reduced);
     palp_mesh_free(s.mesh);
     palp_experiment_free(s.like);

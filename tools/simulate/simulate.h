@@ -8,11 +8,11 @@
 #include <palpate/palpate.h>
 
 typedef struct simulate_options {
-    const char *model, *like, *out, *vtu;
+    const char *model, *like, *out, *vtu, *checkpoint, *restart;
     int tip;                      /* index of plate, sphere; -1 = that of --like */
     int protocol, branch, solver; /* protocol: index of static, ramp_hold, cyclic, creep; -1 = --like */
     double depth_mm, rate_mm_s, ramp_s, hold_s, force_N, dt_ms, tolerance;
-    size_t cycles, vtu_every;
+    size_t cycles, vtu_every, ranks, checkpoint_every; /* ranks: 0 = not given */
     cli_list nodes;
     double tip_mm[2], tip_radius_mm, sample_Hz, air_s, noise_N, hum_N, clip_N;
     size_t seed; /* SIZE_MAX = not given */
@@ -29,6 +29,7 @@ typedef struct simulation {
     palp_mesh *mesh; /* network only, as is network */
     palp_network *network;
     palp_reduced *reduced; /* instead of both */
+    palp_ranks *ranks;     /* the processes over which the network is, or NULL */
     double height_m;       /* of what is pressed */
     double tip_radius_m;   /* network: of the sphere that presses it; 0 = the plate */
     double tip_m[2];       /* x and z of its place; NAN = the middle of the top */
@@ -53,6 +54,15 @@ bool simulate_is_reduced(const char *path);
 int simulate_band_check(const simulate_options *o, const simulation *s);
 int simulate_band(const simulate_options *o, simulation *s); /* low_N, high_N of the finished curve */
 int simulate_report(const simulate_options *o, const simulation *s);
+
+/* --ranks: starts the processes, or becomes mpirun, which starts this command in each; only the first of them
+ * speaks. agree: the code of one of them that cannot go on, for a model that was read. */
+int simulate_ranks_start(int argc, char **argv, const simulate_options *o, simulation *s);
+int simulate_ranks_agree(const simulate_options *o, const simulation *s, int code);
+
+/* The state and the curve so far, to and from a file. */
+palp_status simulate_ranks_save(const simulate_options *o, const simulation *s, palp_error *error);
+palp_status simulate_ranks_restore(const simulate_options *o, simulation *s, palp_error *error);
 
 /* Imperfections of a tester: regular samples, free air, sensor errors. check reads the options; resample adds
  * the samples to the path before the run; sense makes the recording after it. samples: the times of a

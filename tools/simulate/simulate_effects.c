@@ -18,7 +18,7 @@ static int check(const simulate_options *o) {
 /* Times of the samples: regular, those of the run to follow, or adaptive. */
 static palp_status encoder(const simulate_options *o, const palp_path *path, size_t *n, double **time_s,
                            double **depth_m) {
-    press_settings press = {1e-3 * o->dt_ms, o->tolerance, false, o->like != NULL};
+    press_settings press = {1e-3 * o->dt_ms, o->tolerance, false, o->like != NULL, 0};
     palp_status status =
         o->sample_Hz > 0 ? simulate_samples(o, path, n, time_s) : press_times(path, &press, n, time_s);
     *depth_m = status == PALP_OK ? malloc((*n + 1) * sizeof **depth_m) : NULL;

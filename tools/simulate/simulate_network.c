@@ -7,9 +7,11 @@ static const char NAME[] = "simulate";
 static const double CHECKED_WELL = 0.1; /* an error of the force above which a run says so */
 
 typedef struct frames {
+    const simulate_options *options;
+    const simulation *run;
     palp_vtu *series;
     const palp_network *network;
-    size_t every, step;
+    size_t every, step, steps;
     palp_status status;
     palp_error error;
 } frames;
@@ -18,6 +20,8 @@ static int add_frame(void *user) {
     frames *f = user;
     if (f->series && f->step++ % f->every == 0)
         f->status = palp_vtu_add(f->series, f->network, &f->error);
+    if (!f->status && f->options->checkpoint && ++f->steps % f->options->checkpoint_every == 0)
+        f->status = simulate_ranks_save(f->options, f->run, &f->error);
     return f->status != PALP_OK;
 }
 
@@ -98,20 +102,24 @@ static void judge_tip(const simulate_options *o, const simulation *s) {
 
 static palp_status press_with_bar(const simulate_options *o, simulation *s, frames *f) {
     progress bar;
-    const palp_tool sphere = press_sphere(s->mesh, s->tip_radius_m, s->tip_m[0], s->tip_m[1]);
-    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
+    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0, 0};
+    if (o->restart && s->curve.n > 0)
+        press.from_s = s->curve.time_s[s->curve.n - 1];
     press_watch watch = {&bar, add_frame, f};
     progress_start(&bar, "simulate");
-    palp_status status = s->tip_radius_m > 0
-                             ? press_tool(s->network, &sphere, &s->path, &press, &watch, &s->curve, &s->info)
-                             : press_network(s->network, &s->path, &press, &watch, &s->curve, &s->info);
+    palp_status status;
+    if (s->tip_radius_m > 0) {
+        const palp_tool sphere = press_sphere(s->mesh, s->tip_radius_m, s->tip_m[0], s->tip_m[1]);
+        status = press_tool(s->network, &sphere, &s->path, &press, &watch, &s->curve, &s->info);
+    } else
+        status = press_network(s->network, &s->path, &press, &watch, &s->curve, &s->info);
     progress_finish(&bar);
     return status;
 }
 
 int simulate_network(const simulate_options *o, simulation *s) {
     palp_network_settings settings = palp_network_settings_default();
-    frames f = {.every = o->vtu_every};
+    frames f = {.options = o, .run = s, .every = o->vtu_every};
     palp_error error = {PALP_OK, ""};
     settings.branch = (palp_branch)o->branch;
     settings.solver = (palp_solver)o->solver;
@@ -122,8 +130,17 @@ int simulate_network(const simulate_options *o, simulation *s) {
     if (tip && !isfinite(press_sphere(s->mesh, s->tip_radius_m, s->tip_m[0], s->tip_m[1]).position_m[1]))
         return cli_failure(NAME, "%s: nothing of it is below a sphere at x = %.4g, z = %.4g mm", o->model,
                            1e3 * s->tip_m[0], 1e3 * s->tip_m[1]);
-    palp_status status =
-        palp_network_from_model(&s->model, s->mesh, tip ? 1 : 2, supports, &settings, &s->network, &error);
+    palp_status status = s->ranks ? palp_ranks_network(s->ranks, &s->model, s->mesh, tip ? 1 : 2, supports,
+                                                       &settings, tip, &s->network, &error)
+                                  : palp_network_from_model(&s->model, s->mesh, tip ? 1 : 2, supports,
+                                                            &settings, &s->network, &error);
+    const size_t n_tetrahedra = palp_mesh_tetrahedron_count(s->mesh);
+    if (s->ranks && !tip) { /* each process has its part, and may need the memory */
+        palp_mesh_free(s->mesh);
+        s->mesh = NULL;
+    }
+    if (status == PALP_OK && o->restart)
+        status = simulate_ranks_restore(o, s, &error);
     if (status == PALP_OK && tip)
         status = palp_network_enable_tools(s->network, 1, 0, &touch);
     if (status == PALP_OK && o->vtu) {
@@ -145,6 +162,6 @@ int simulate_network(const simulate_options *o, simulation *s) {
         cli_warning(NAME,
                     "up to %zu of %zu tetrahedra of the mesh are inverted at once: their forces mean "
                     "nothing; press less",
-                    s->info.inverted, palp_mesh_tetrahedron_count(s->mesh));
+                    s->info.inverted, n_tetrahedra);
     return status ? run_failed(o, s, status) : CLI_OK;
 }

@@ -43,7 +43,7 @@ static palp_status step(simulation *s, double time_s, double since_s, bool relax
 }
 
 int simulate_reduced(const simulate_options *o, simulation *s) {
-    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0};
+    press_settings press = {1e-3 * o->dt_ms, o->tolerance, o->relaxed, o->like || o->sample_Hz > 0, 0};
     double *time_s = NULL;
     size_t n = 0;
     int code = check(o, s);

@@ -156,6 +156,8 @@ int simulate_report(const simulate_options *o, const simulation *s) {
     palp_experiment *run = NULL;
     palp_error error = {PALP_OK, ""};
     int code = CLI_OK;
+    if (palp_ranks_rank(s->ranks) > 0)
+        return CLI_OK; /* the first process writes for all */
     palp_status status = palp_experiment_create(s->curve.n, &run);
     status = status ? status : fill(o, s, run);
     if (status == PALP_OK && (o->out || !o->json))
