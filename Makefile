@@ -126,7 +126,7 @@ programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES))
 # Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
 FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS) $(HTTP_CFLAGS)
 $(BUILD)/flags: FORCE
-	@tools/install-deps --check build
+	@tools/install-deps --check $(if $(filter 1,$(PETSC)),petsc,build)
 	@mkdir -p $(@D)
 	@echo '$(FLAGS_LINE)' | cmp -s - $@ || echo '$(FLAGS_LINE)' >$@
 

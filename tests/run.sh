@@ -9,6 +9,7 @@
 #   "check: all"       a long one, of statistics mostly: in rest, as gcc optimizes it
 #   "check: valgrind"  (programs) under valgrind too
 #   "check: asan"      (tests/cli) with the sanitized command too
+#   "check: petsc"     (tests/cli) in rest only, with the command of make PETSC=1, where PETSc is installed
 # Tests run from the root with SCRATCH, an empty folder of their own; tests/cli/*.sh get PALPATE, the command.
 # Exit code 77 means skipped: said, not counted, and a failure where CI=true.
 set -u
@@ -79,6 +80,7 @@ programs() { # label folder: the test programs
 scripts() { # label folder: the runs of its command
     for t in tests/cli/*.sh; do
         if tagged "$t" all || { [ "$1" != gcc ] && ! tagged "$t" "$1"; }; then continue; fi
+        if [ "$1" = gcc ] && tagged "$t" petsc; then continue; fi
         add "$1 ${t%.sh}" "PALPATE=$2/palpate sh $t"
     done
 }
@@ -127,6 +129,13 @@ check)
 rest)
     long
     sanitized
+    if pkg-config --exists PETSc mpi-c; then
+        build petsc BUILD="$BUILD/petsc" PETSC=1 WERROR=1 all
+        scripts petsc "$BUILD/petsc"
+        add "layers, with PETSc" "BUILD=$BUILD/petsc sh tests/layers.sh"
+    else
+        missing "build petsc" "PETSc; tools/install-deps petsc"
+    fi
     if command -v clang >/dev/null; then
         build clang BUILD="$BUILD/clang" CC=clang WERROR=1 all programs
         programs clang "$BUILD/clang"

@@ -125,8 +125,8 @@ palp_status mesh_mean_around_elements(const palp_mesh *mesh, const double *of_so
 
 /* The part of a mesh that belongs to one owner: its nodes, and the elements and tetrahedra whose first node
  * is one of these, with all their nodes; no regions and hexahedra. With surface, all triangles with their
- * nodes. Nodes and elements stay in order; (*node)[part's n_nodes] and (*element)[part's n_elements] are their
- * numbers in the mesh, malloc'ed, for the caller to free. */
+ * nodes. Nodes and elements stay in order; (*node)[part's n_nodes] and (*element)[part's n_elements] are
+ * their numbers in the mesh, malloc'ed, for the caller to free. */
 palp_status mesh_part(const palp_mesh *mesh, const int32_t *owner_of_node, int32_t owner, bool surface,
                       palp_mesh **part, int32_t **node, int32_t **element);
 

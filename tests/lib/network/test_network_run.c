@@ -31,6 +31,44 @@ START_TEST(fixed_steps_visit_every_corner) {
 }
 END_TEST
 
+/* A run that goes on from a saved state makes the steps that remain, to the bit. */
+START_TEST(a_restored_network_goes_on) {
+    enum { STOP = 6 };
+    palp_material m = quartic(1);
+    palp_network *net = cube_network(3, &m, NULL), *other = cube_network(3, &m, NULL);
+    palp_run_settings settings = recording(0.3, 0.0);
+    run_path(net, ramp_hold(0.1, 1.0, 2.0), &settings);
+    const size_t all = seen.n, size = palp_network_state_size(net);
+    double *force = malloc(all * sizeof *force);
+    memcpy(force, seen.force, all * sizeof *force);
+    void *state = malloc(size);
+    palp_path path = ramp_hold(0.1, 1.0, 2.0);
+    palp_network_reset(net);
+    settings = recording(0.3, 0.0);
+    seen.stop_after = STOP;
+    ck_assert_int_eq(palp_network_run(net, &path, &settings, NULL), PALP_ERR_STOPPED);
+    palp_path_free(&path);
+    ck_assert_int_eq(palp_network_save(net, state, size), PALP_OK);
+    ck_assert_int_eq(palp_network_restore(other, state, size), PALP_OK);
+    const double from = seen.time[STOP - 1];
+    settings = recording(0.3, 0.0);
+    settings.from_s = from;
+    palp_run_info info = run_path(other, ramp_hold(0.1, 1.0, 2.0), &settings);
+    ck_assert_uint_eq(seen.n, all - STOP);
+    ck_assert_uint_eq(info.steps, all - STOP);
+    for (size_t i = 0; i < seen.n; i++)
+        ck_assert_double_eq(seen.force[i], force[STOP + i]);
+    settings.tolerance = 1e-4; /* whose steps depend on those before */
+    path = ramp_hold(0.1, 1.0, 2.0);
+    ck_assert_int_eq(palp_network_run(other, &path, &settings, NULL), PALP_ERR_ARGUMENT);
+    palp_path_free(&path);
+    free(force);
+    free(state);
+    palp_network_free(net);
+    palp_network_free(other);
+}
+END_TEST
+
 /* Forces at the end of a ramp of 1 s and of a hold of 10 s. */
 static palp_run_info ends(palp_network *net, double dt, double tolerance, double force[2]) {
     palp_run_settings settings = recording(dt, tolerance);
@@ -387,6 +425,7 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, a_path_of_many_pieces_takes_a_step_for_each);
     tcase_add_test(tc, fixed_steps_visit_every_corner);
+    tcase_add_test(tc, a_restored_network_goes_on);
     tcase_add_test(tc, controlled_steps_agree_with_small_fixed_ones);
     tcase_add_test(tc, second_order_in_dt);
     tcase_add_test(tc, relaxed_runs_are_static);
