@@ -56,7 +56,9 @@ PALP_API palp_explain_settings palp_explain_settings_default(void);
 /* What a run comes with; the experiment is only read. */
 typedef struct palp_explain_input {
     const palp_experiment *experiment;
-    const char *name; /* the file's, for messages */
+    const char *name;                           /* the file's, for messages */
+    const struct palp_explain_input *simulated; /* NULL, or the forces that another program computed along the
+                                                   same path; its own simulated is not read */
 } palp_explain_input;
 
 /* What a run presses: its file's specimen.kind says it ("none" is air, "rigid" a block), or its force beside
@@ -227,6 +229,8 @@ typedef struct palp_explain_next {
 /* The result; palp_explanation_free. */
 typedef struct palp_explanation {
     palp_explain_verdict verdict;
+    bool simulated;         /* the forces of another program took the place of a model's, */
+    double simulated_off_N; /* and the lumped model that gives their slopes is off by so much, rms */
     bool stopped;           /* by settings.stop: candidates were left that nothing tried */
     palp_model base, model; /* refitted as given, and with the effects; their mesh is the given model's */
     size_t n_effects;
@@ -255,7 +259,15 @@ typedef struct palp_explanation {
 
 PALP_API void palp_explanation_free(palp_explanation *explanation); /* NULL is fine */
 
-/* The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the law of the given
+/* With model NULL each run of the specimen has a simulated one: the force is that of the other program, and
+ * nothing of its material is fitted. A lumped model that follows the simulated forces
+ * (palp_explain_material) stands in for what they do not say: F = simulated + model with the effects along
+ * the recorded path - model without them along the simulated one. Its error matters in proportion to the
+ * effects. base and model are that lumped model. ERR_INPUT with a line where paths differ: by more than what
+ * moves the log evidence by the threshold of settings->false_alarm, as far as the model misses the simulated
+ * forces. ERR_ARGUMENT: a model and simulated runs; ERR_UNSUPPORTED: a simulated run that goes on in another
+ * file.
+ * The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the law of the given
  * family that is nearest. evidence_se is paired over the parts that are omitted in turn: each run, or each
  * eighth of a single one. An effect that does not help to predict that is not accepted.
  * ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network with mass, or a model

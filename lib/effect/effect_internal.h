@@ -109,6 +109,7 @@ typedef struct effect_data {
     double pulled; /* largest pull recorded on withdrawal, at least what noise hides; 0 = no withdrawal that
                       far */
     effect_shown shown;
+    bool known_force; /* the specimen's force is not fitted: another program has computed it */
     double frame[2];  /* interval of the frame's compliance from runs on a rigid block; 0, 0 = no such runs */
     const void *runs; /* for the next two functions */
     const double *residual; /* residual of a fit to the runs; NULL: not needed */

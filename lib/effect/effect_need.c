@@ -80,7 +80,7 @@ bool effect_need_met(const effect_row *row, const effect_data *data, char lack[E
     case EFFECT_NEEDS_WEIGHT:
         snprintf(lack, EFFECT_LACK_MAX, "the gain cannot be separated from an unknown stiffness; needed: %s",
                  row->info.seen_by);
-        return false;
+        return data->known_force;
     case EFFECT_NEEDS_NOTHING:
         break;
     }

@@ -245,11 +245,20 @@ static palp_status can_be_followed(const palp_model *model, infer_search *s, pal
 palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
                          const palp_explain_settings *settings, palp_explanation *explanation,
                          palp_error *error) {
-    if (!model || !inputs || !settings || !explanation)
+    palp_model stand_in;
+    if (!inputs || !settings || !explanation || (!model && !explain_is_simulated(n, inputs)))
         return palp_error_null(error);
     memset(explanation, 0, sizeof *explanation);
     if (n == 0)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no runs to explain");
+    if (model && explain_is_simulated(n, inputs))
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "a model beside simulated forces");
+    if (!model) {
+        palp_status status = explain_stand_in(n, inputs, settings, &stand_in, error);
+        if (status)
+            return status;
+        model = &stand_in;
+    }
     if (model->n_effects + settings->max_effects + 2 > PALP_EFFECTS_MAX)
         return palp_error_set(error, PALP_ERR_LIMIT,
                               "%zu effects in the model and up to %zu more: at most %d", model->n_effects,
@@ -265,6 +274,11 @@ palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_i
         status = explain_data_create(n, inputs, settings, model, &s->data, error);
         if (!status) {
             infer_use_spikes(&s->data);
+            status = explain_take_simulated(&s->data, infer_threshold(settings), error);
+        }
+        if (!status) {
+            explanation->simulated = s->data.simulated;
+            explanation->simulated_off_N = s->data.simulated_off;
             s->residual = malloc(2 * s->data.n * sizeof *s->residual);
             s->discrepancy = s->residual ? s->residual + s->data.n : NULL;
             palp_model framed = *model;

@@ -21,7 +21,8 @@ palp_forward_run explain_forward_run(const explain_run *run, double contact, exp
                               .n_columns = run->n_columns,
                               .column = run->column,
                               .history = &history->load,
-                              .contact_m = contact};
+                              .contact_m = contact,
+                              .added_N = run->added};
 }
 
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event) {
@@ -321,6 +322,9 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     status = goes_below_contact(run) ? palp_recording_check(e, run->name, run->height, error) : PALP_OK;
     if (status)
         return status;
+    run->simulated = air || !goes_below_contact(run) ? NULL : input->simulated;
+    if (data->simulated && !air && goes_below_contact(run) && !run->simulated)
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: no simulated run goes with it", run->name);
     run->session = explain_number_of(e, "session.start_s", NAN);
     take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
     status = segments_phases(run->n, run->time, run->depth, run->force, run->phase, run->stood);
@@ -394,6 +398,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, const palp_model *model,
                                 explain_data *data, palp_error *error) {
     *data = (explain_data){.given = model,
+                           .simulated = explain_is_simulated(n, inputs),
                            .contacts_alike = settings->contact == PALP_CONTACT_KNOWN ||
                                              settings->contact == PALP_CONTACT_COMMON};
     data->run = calloc(n, sizeof *data->run);
@@ -431,6 +436,7 @@ void explain_data_free(explain_data *data) {
     for (size_t r = 0; data->run && r < data->n_runs; r++) {
         free(data->run[r].time);
         free(data->run[r].use);
+        free(data->run[r].added);
     }
     free(data->run);
     free(data->pressed);
@@ -489,6 +495,7 @@ effect_data explain_facts(const explain_data *data) {
                          .peak = data->peak,
                          .height = data->height,
                          .white = data->run[0].white,
+                         .known_force = data->simulated,
                          .n_releases = data->n_releases,
                          .pull = {data->pull, data->pull_most},
                          .pulled = data->pulled,

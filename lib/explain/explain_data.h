@@ -26,6 +26,8 @@ typedef struct explain_run {
     size_t specimen;              /* which of the data's it presses, as the files name them */
     double largest_strain;        /* largest strain of the earlier runs on its specimen, by depth */
     bool held_out;                /* kept out of the fit */
+    const palp_explain_input *simulated; /* NULL: its force is not needed, as nothing is pressed */
+    double *added; /* [n] simulated force less the model's along the simulated path; NULL: none */
 } explain_run;
 
 /* What runs on a rigid block show of the frame, m/N; an interval of 95 %. */
@@ -67,6 +69,8 @@ typedef struct explain_data {
         pulled; /* strongest pull of a withdrawal, and what noise hides at least; 0 = no plate goes so far */
     size_t n_releases;
     explain_frame frame;
+    bool simulated;          /* the forces are another program's: law and arms are held */
+    double simulated_off;    /* rms of what the model misses of them, N */
     bool contacts_alike;     /* no run has a contact of its own */
     bool contacts_average_0; /* exactly, over the runs that are fitted */
     bool law_alone;          /* what law and arms do not follow is noise: no discrepancy, no gains */
@@ -143,9 +147,24 @@ void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *orde
 const char *explain_text_of(const palp_experiment *e, const char *key);
 double explain_number_of(const palp_experiment *e, const char *key, double otherwise);
 
+/* ---- forces of another program (explain_simulated.c) ---- */
+
+/* Whether any of the inputs has simulated forces. */
+bool explain_is_simulated(size_t n, const palp_explain_input *inputs);
+
+/* A lumped model that follows the simulated forces. */
+palp_status explain_stand_in(size_t n, const palp_explain_input *inputs,
+                             const palp_explain_settings *settings, palp_model *model, palp_error *error);
+
+/* What the data's model misses of the simulated forces, into each run. nats: by how much a path that differs
+ * may move the log evidence. */
+palp_status explain_take_simulated(explain_data *data, double nats, palp_error *error);
+
 /* ---- what a model gives (explain_predict.c): as palp_forward_force, for a network by forward_network_force
  * ---- */
 
+/* Of the size of the run's specimen. */
+palp_status explain_resize(palp_model *model, const explain_run *run);
 bool explain_carries(const palp_model *model, const palp_effect_info *info);
 palp_status explain_height(const palp_model *model, double *height,
                            palp_error *error); /* m, of a network its mesh's */

@@ -114,6 +114,8 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
         value[model->material.law.n + 2 * j + 1] /= value[model->material.law.n + 2 * j];
     for (k = 0; k < fit->n_columns; k++) {
         fit->x[k] = fit->logarithmic[k] ? log(value[k]) : value[k];
+        if (data->simulated && k < model->material.law.n + 2 * model->material.n_arms)
+            fit->low[k] = fit->high[k] = fit->x[k]; /* it is not fitted */
         fit->x[k] = fmin(fit->high[k], fmax(fit->low[k], fit->x[k]));
     }
     return PALP_OK;

@@ -6,6 +6,16 @@ bool explain_carries(const palp_model *model, const palp_effect_info *info) {
     return model->kind == PALP_MODEL_NETWORK ? info->in_network : info->in_lumped;
 }
 
+palp_status explain_resize(palp_model *model, const explain_run *run) {
+    palp_material *m = &model->material;
+    model->height_m = run->height;
+    for (size_t j = 0; j < m->n_arms; j++) {
+        m->arms[j].stiffness_N *= run->area;
+        m->arms[j].viscosity_Ns *= run->area;
+    }
+    return palp_law_scale(&m->law, run->area, &m->law);
+}
+
 palp_status explain_height(const palp_model *model, double *height, palp_error *error) {
     double low[3], high[3];
     palp_mesh *mesh;

@@ -64,7 +64,7 @@ static palp_status exchange(infer_search *s, size_t effect, size_t arm, bool *do
 
 palp_status infer_keep_given_arms(infer_search *s) {
     palp_status status = PALP_OK;
-    for (size_t i = s->n_given; i < s->fit.c.model.n_effects && !status; i++) {
+    for (size_t i = s->n_given; !s->data.simulated && i < s->fit.c.model.n_effects && !status; i++) {
         const palp_effect *added = &s->fit.c.model.effects[i];
         bool done = effect_row_of(added->id)->arm && added->value[0] > 0.0;
         for (size_t k = 0; k < s->fit.c.model.material.n_arms && done && !status; k++) {

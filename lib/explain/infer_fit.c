@@ -49,7 +49,7 @@ static void set_priors(infer_fit *fit, const explain_data *data) {
     for (size_t a = 0; a < m->law.n && spline; a++) {
         fit->c.logarithmic[a] = true;
         fit->c.x[a] = log(m->law.coefficients[a]);
-        fit->given[a] = typical;
+        fit->given[a] = data->simulated ? fit->c.x[a] : typical;
         fit->c.low[a] = fit->c.x[a] - 5.0 * WIDE;
         fit->c.high[a] = fit->c.x[a] + 5.0 * WIDE;
         fit->width[a] = WIDE;
@@ -141,6 +141,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
         return PALP_ERR_NO_MEMORY;
     }
     place(fit, data);
+    fit->n_known = data->simulated ? fit->c.model.material.law.n + 2 * fit->c.model.material.n_arms : 0;
     memset(fit->specimen, 0, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
     memset(fit->sample, 0, data->n * sizeof *fit->sample);
     infer_noise_begin(fit, data);
@@ -213,14 +214,9 @@ void infer_fit_take_state(const infer_fit *from, const explain_data *data, infer
 /* The material of run r's specimen. */
 static palp_status make_own(const infer_fit *fit, const explain_run *run, size_t r, palp_model *model) {
     const palp_material population = model->material;
-    palp_material *m = &model->material;
-    palp_status status = infer_specimen_material(&population, fit->specimen + r * INFER_SPECIMEN, m);
-    model->height_m = run->height;
-    for (size_t j = 0; j < m->n_arms; j++) {
-        m->arms[j].stiffness_N *= run->area;
-        m->arms[j].viscosity_Ns *= run->area;
-    }
-    return status ? status : palp_law_scale(&m->law, run->area, &m->law);
+    palp_status status =
+        infer_specimen_material(&population, fit->specimen + r * INFER_SPECIMEN, &model->material);
+    return status ? status : explain_resize(model, run);
 }
 
 /* The gradient by the population's coefficients from that by the specimen's, and what the specimen has of its
@@ -371,7 +367,7 @@ palp_status infer_fit_reevaluate(infer_fit *fit, const explain_data *data) {
 size_t infer_active_columns(const infer_fit *fit, size_t *list) {
     size_t n = 0;
     for (size_t a = 0; a < fit->m; a++) {
-        bool on = a >= fit->k || !fit->scan[a].jumps;
+        bool on = a >= fit->k || (a >= fit->n_known && !fit->scan[a].jumps);
         if (a >= fit->k && a < fit->k + INFER_OWN)
             on = fit->sizes.own[a - fit->k] > 0.0;
         if (a >= fit->k + INFER_BLOCK && a + 1 < fit->m)

@@ -79,9 +79,11 @@ typedef struct infer_fit {
     double given[EXPLAIN_COLUMNS]; /* prior mean of each coordinate, */
     double width[EXPLAIN_COLUMNS]; /* and its sd; 0: an effect's strength, see infer_prior */
     infer_scan scan[EXPLAIN_COLUMNS];
-    bool plain;                   /* it has no discrepancy */
-    bool held;                    /* contacts, gains that bend and specimens are where the columns are */
-    double *raw;                  /* all runs' columns, run r at raw + first sample m */
+    size_t
+        n_known; /* the first so many coordinates are as they are: a material that is not fitted, or none */
+    bool plain;  /* it has no discrepancy */
+    bool held;   /* contacts, gains that bend and specimens are where the columns are */
+    double *raw; /* all runs' columns, run r at raw + first sample m */
     double *product;              /* [n_runs m m] of the whitened ones */
     double *specimen;             /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
     infer_sample *sample;         /* [data->n] */

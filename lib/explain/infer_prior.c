@@ -70,7 +70,7 @@ palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *
             sd = fit->c.unit[a];
         q[a * k + a] = 1.0 / (sd * sd);
     }
-    for (size_t i = 1; spline && i + 1 < fit->c.model.material.law.n; i++) {
+    for (size_t i = 1; spline && fit->n_known == 0 && i + 1 < fit->c.model.material.law.n; i++) {
         const double weight = fit->certain[i] / (fit->sizes.bend * fit->sizes.bend);
         const double d[3] = {1.0, -2.0, 1.0};
         for (size_t a = 0; a < 3; a++)

@@ -200,7 +200,7 @@ static palp_status drive_otherwise(palp_material *m, double strain) {
  */
 static palp_status try_drive(const infer_search *s, infer_trial *t) {
     palp_model model = s->fit.c.model;
-    if (model.material.n_arms == 0 || model.kind != PALP_MODEL_LUMPED)
+    if (model.material.n_arms == 0 || model.kind != PALP_MODEL_LUMPED || s->data.simulated)
         return PALP_ERR_UNSUPPORTED;
     const double scale = drive_of(&model.material, 0.5 * s->data.strain);
     palp_status status = drive_otherwise(&model.material, 0.5 * s->data.strain);

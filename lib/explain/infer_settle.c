@@ -266,7 +266,7 @@ palp_status infer_begin(infer_fit *fit, const explain_data *data, const palp_exp
     palp_model model = fit->c.model;
     palp_law *law = &model.material.law;
     infer_fit coarse;
-    if (law->kind != PALP_LAW_SPLINE || law->n != INFER_KNOTS)
+    if (law->kind != PALP_LAW_SPLINE || law->n != INFER_KNOTS || fit->n_known > 0)
         return begin_in_two_ways(fit, data, settings);
     palp_status status = infer_spline_of(law, INFER_COARSE, law->strain[law->n - 1], law);
     if (!status)

@@ -123,7 +123,7 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
                  g);
     for (size_t a = 0; a < k; a++)
         memcpy(theta + a * k, all + (INFER_HATS + a) * g + INFER_HATS, k * sizeof *theta);
-    if (fit->c.model.material.law.kind == PALP_LAW_SPLINE)
+    if (fit->c.model.material.law.kind == PALP_LAW_SPLINE && fit->n_known == 0)
         add_bends(&bend, fit, p.mean + INFER_HATS, theta);
     infer_posterior_free(&p);
     if (status)

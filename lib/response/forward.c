@@ -243,7 +243,7 @@ static palp_status follow_recorded_path(forward_plate *plate, forward_sensor *s,
             return palp_error_set(error, status, "at %.6g s, depth %.6g mm: %s", run->time_s[i],
                                   1e3 * run->depth_m[i], palp_status_text(status));
         memcpy(s->force_p, plate->force_p, s->n_columns * sizeof *s->force_p);
-        force_N[i] = forward_sensor_read(s, &at, plate->force);
+        force_N[i] = forward_sensor_read(s, &at, plate->force + (run->added_N ? run->added_N[i] : 0.0));
         for (size_t k = 0; k < s->n_columns; k++)
             gradient[k * run->n + i] = s->force_p[k];
     }

@@ -236,7 +236,7 @@ static palp_status read_sensor_at_all_samples(const adaptive *k, const forward_p
         while (q + 1 < k->n && k->at[q + 1] <= i)
             q++;
         double force = interpolate_plate_force(k, q, i, s.force_p);
-        force_N[i] = forward_sensor_read(&s, &at, force);
+        force_N[i] = forward_sensor_read(&s, &at, force + (k->run->added_N ? k->run->added_N[i] : 0.0));
         for (size_t c = 0; c < k->n_columns; c++)
             gradient[c * k->run->n + i] = s.force_p[c];
     }

@@ -25,7 +25,13 @@ static int parse(int argc, char **argv, explain_options *o) {
     const cli_option options[] = {
         cli_heading("What is explained"),
         cli_in("model", "MODEL.json", &o->model,
-               "the model, lumped or a network, that misses something (needed)"),
+               "the model, lumped or a network, that misses something (this or --simulated)"),
+        cli_flag("simulated", &o->simulated,
+                 "in place of a model's the forces that another program computed: the files are\n"
+                 "simulated runs, then the measured ones. A pair has the same name (without\n"
+                 "folder); if no names agree, the first half is simulated, in the order of the\n"
+                 "measured half. Both are CSV with time_s, depth_mm (0 = contact) and force_N,\n"
+                 "along the same path from the first sample on; the times of samples may differ"),
         cli_text("hold-out", "auto|FILES", &o->hold_out,
                  "runs kept out of the fit, between commas (default auto: each in turn)"),
         cli_text("candidates", "IDS", &o->candidates, "effects to try, between commas (default: all)"),
@@ -64,19 +70,21 @@ static int parse(int argc, char **argv, explain_options *o) {
     };
     const cli_command command = {
         NAME,
-        "--model MODEL.json RUN.csv ... [options]",
+        "--model MODEL.json RUN.csv ... [options] | --simulated SIM.csv ... RUN.csv ... [options]",
         "Refits a model to runs, finds where they disagree, names the missing effect from the catalogue, "
         "adds it and\n"
         "shows the gap shrink. It may also say that nothing is missing, that two effects cannot be told "
         "apart and\n"
         "which experiment would, or that something is missing which it does not know.",
-        "  palpate explain --model lumped.json runs/*.csv --out explained.json --report page.html\n",
+        "  palpate explain --model lumped.json runs/*.csv --out explained.json --report page.html\n"
+        "  palpate explain --simulated simulated/*.csv measured/*.csv --report page.html\n",
         options,
         sizeof options / sizeof options[0]};
-    int code = cli_parse(&command, argc, argv, o->words, EXPLAIN_RUNS_MAX, &o->n_words);
-    if (code == CLI_OK && (!o->model || o->n_words == 0))
-        return cli_usage_error(NAME, "needs --model MODEL.json and runs; see palpate explain --help");
-    return code;
+    int code = cli_parse(&command, argc, argv, o->words, 2 * EXPLAIN_RUNS_MAX, &o->n_words);
+    if (code == CLI_OK && (!o->model == !o->simulated || o->n_words == 0))
+        return cli_usage_error(
+            NAME, "needs runs and either --model MODEL.json or --simulated; see palpate explain --help");
+    return code ? code : explain_pair(NAME, o);
 }
 
 /* The next name of a list between commas; false at its end. */
@@ -207,7 +215,18 @@ static palp_status watched(const explain_options *o, const palp_model *model, co
     return status;
 }
 
+/* What the runs are compared with: a model, or the simulated runs beside them. */
+static int open_compared(const explain_options *o, palp_model *model, palp_mesh_source *mesh,
+                         palp_explain_input *simulated, palp_experiment **run) {
+    int code = CLI_OK;
+    if (o->simulated)
+        return open_runs(NAME, o->n_simulated, o->simulated_files, o->every, run, simulated);
+    code = open_model(NAME, o->model, model, mesh);
+    return code ? code : open_refuse_mass(NAME, o->model, model);
+}
+
 static int explain(explain_options *o, palp_explain_input *input, palp_experiment **run, size_t *held_out) {
+    palp_explain_input *simulated = input + EXPLAIN_RUNS_MAX;
     palp_model model;
     palp_mesh_source mesh;
     palp_explain_settings s = palp_explain_settings_default();
@@ -225,12 +244,14 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     s.loop_user = &o->jobs;
     int code = choose_candidates(o, &s);
     code = code ? code : choose_held_out(o, &s, held_out);
-    code = code ? code : open_model(NAME, o->model, &model, &mesh);
-    code = code ? code : open_refuse_mass(NAME, o->model, &model);
+    code = code ? code : open_compared(o, &model, &mesh, simulated, run + EXPLAIN_RUNS_MAX);
     code = code ? code : open_runs(NAME, o->n_words, o->words, o->every, run, input);
+    for (size_t r = 0; r < o->n_words && o->simulated; r++)
+        input[r].simulated = o->simulated_of[r] < o->n_simulated ? &simulated[o->simulated_of[r]] : NULL;
     if (code == CLI_OK) {
-        extend_range(&model, o->n_words, run);
-        palp_status status = watched(o, &model, input, &s, &e, &error);
+        if (o->model)
+            extend_range(&model, o->n_words, run);
+        palp_status status = watched(o, o->model ? &model : NULL, input, &s, &e, &error);
         code = status ? cli_status_of(NAME, o->model, status, &error) : CLI_OK;
     }
     if (code == CLI_OK) {
@@ -249,8 +270,9 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
 
 int cmd_explain(int argc, char **argv) {
     explain_options *o = calloc(1, sizeof *o);
-    palp_explain_input *input = calloc(EXPLAIN_RUNS_MAX, sizeof *input);
-    palp_experiment **run = calloc(EXPLAIN_RUNS_MAX, sizeof *run);
+    palp_explain_input *input =
+        calloc(2 * (size_t)EXPLAIN_RUNS_MAX, sizeof *input); /* the simulated ones last */
+    palp_experiment **run = calloc(2 * (size_t)EXPLAIN_RUNS_MAX, sizeof *run);
     size_t *held_out = calloc(EXPLAIN_RUNS_MAX, sizeof *held_out);
     bool room = o && input && run && held_out;
     int code = room ? CLI_OK : cli_failure(NAME, "%s", palp_status_text(PALP_ERR_NO_MEMORY));
@@ -264,7 +286,7 @@ int cmd_explain(int argc, char **argv) {
     }
     if (code == CLI_OK)
         code = explain(o, input, run, held_out);
-    for (size_t r = 0; run && r < EXPLAIN_RUNS_MAX; r++)
+    for (size_t r = 0; run && r < 2 * (size_t)EXPLAIN_RUNS_MAX; r++)
         palp_experiment_free(run[r]);
     free(o);
     free(input);

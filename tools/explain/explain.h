@@ -12,14 +12,21 @@
 enum { EXPLAIN_RUNS_MAX = 512 };
 
 typedef struct explain_options {
-    const char *words[EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *result, *report, *next;
+    const char *words[2 * EXPLAIN_RUNS_MAX], *model, *hold_out, *candidates, *out, *result, *report, *next;
     size_t n_words, max_effects, jobs, every; /* every: as open_runs takes it */
     int contact;                              /* a palp_contact_form */
     double false_alarm, good_enough;
     palp_explain_limits limits; /* in mm and mm/s */
-    bool json;
+    bool json, simulated;
+    size_t n_simulated;
+    const char *simulated_files[EXPLAIN_RUNS_MAX]; /* [n_simulated] */
+    size_t simulated_of[EXPLAIN_RUNS_MAX]; /* [n_words] the one of each run; n_simulated: it has none */
     char command[CLI_COMMAND_MAX];
 } explain_options;
+
+/* Takes the simulated files out of the words, and pairs them with the runs. Returns an exit code.
+ * (explain_pairs.c) */
+int explain_pair(const char *command, explain_options *o);
 
 /* As the file of the result has it; NULL = out of memory. (explain_json.c) */
 json_t *explain_json(const explain_options *o, const palp_explanation *e);

@@ -241,6 +241,19 @@ static json_t *pressed_json(const explain_options *o, const palp_explanation *e)
     return list;
 }
 
+/* The pairs, and by how much the lumped model that tells the slopes misses the simulated forces. */
+static json_t *simulated_json(const explain_options *o, const palp_explanation *e) {
+    json_t *all = json_object(), *list = json_array();
+    for (size_t r = 0; r < o->n_words; r++)
+        if (o->simulated_of[r] < o->n_simulated)
+            json_array_append_new(list,
+                                  json_pack("{s:o, s:o}", "experiment", json_text(o->words[r]), "simulated",
+                                            json_text(o->simulated_files[o->simulated_of[r]])));
+    json_object_set_new(all, "runs", list);
+    json_figures(all, {"lumped_off_N", e->simulated_off_N});
+    return all;
+}
+
 json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     static const char *const contacts[] = {"known", "common", "free"};
     json_t *root = json_object(), *effects = json_array();
@@ -252,6 +265,8 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     json_object_set_new(root, "stopped", json_boolean(e->stopped));
     json_object_set_new(root, "contact", json_string(contacts[o->contact]));
     json_object_set_new(root, "pressed", pressed_json(o, e));
+    if (e->simulated)
+        json_object_set_new(root, "simulated", simulated_json(o, e));
     json_object_set_new(root, "effects", effects);
     json_object_set_new(root, "gap", gap_json(e));
     json_object_set_new(root, "noise_level", noise_level_json(e));

@@ -86,15 +86,21 @@ static void effect_names(const json_t *all, char line[LINE]) {
 
 /* ---- the gap ---- */
 
+static bool is_simulated(const json_t *all) {
+    return json_is_object(json_object_get(all, "simulated"));
+}
+
 static void add_gap(json_t *story, const json_t *all) {
     const json_t *gap = json_object_get(all, "gap");
     double before = json_number_at(gap, "heldout_before_N"), after = json_number_at(gap, "heldout_after_N"),
            noise = json_number_at(gap, "noise_level_N");
     char names[LINE], from[32], to[32], alone[32];
     const char *where = one_recording(all) ? "" : " in experiments left out of the fit";
+    const char *whose = is_simulated(all) ? "simulation" : "model",
+               *fitted = is_simulated(all) ? "As it is" : "With its numbers refitted";
     effect_names(all, names);
     if (names[0])
-        add(story, "The model as given lacks: %s.", names);
+        add(story, is_simulated(all) ? "The simulation lacks: %s." : "The model as given lacks: %s.", names);
     if (!isfinite(before) || !isfinite(after) || !isfinite(noise)) {
         add(story, "How far the recordings and the model are apart could not be computed.");
         return;
@@ -103,17 +109,16 @@ static void add_gap(json_t *story, const json_t *all) {
     force_text(after, to);
     force_text(noise, alone);
     if (names[0])
-        add(story, "Once that is added, recorded minus model%s %s from %s, rms, to %s. Noise alone makes %s.",
-            where, after <= before ? "falls" : "goes up", from, to, alone);
+        add(story, "Once that is added, recorded minus %s%s %s from %s, rms, to %s. Noise alone makes %s.",
+            whose, where, after <= before ? "falls" : "goes up", from, to, alone);
     else if (one_recording(all))
-        add(story, "With its numbers refitted, recorded minus model is %s, rms. Noise alone makes %s.", to,
-            alone);
+        add(story, "%s, recorded minus %s is %s, rms. Noise alone makes %s.", fitted, whose, to, alone);
     else
         add(story,
-            "With its numbers refitted, recorded minus model%s is %s, rms, if all runs have one zero, "
+            "%s, recorded minus %s%s is %s, rms, if all runs have one zero, "
             "contact and gain, and %s if each "
             "has its own. Noise alone makes %s.",
-            where, from, to, alone);
+            fitted, whose, where, from, to, alone);
 }
 
 static void add_rest(json_t *story, const json_t *all) {
@@ -141,6 +146,23 @@ static void add_rest(json_t *story, const json_t *all) {
     else
         add(story, some ? "The effects named are there, but they are not all."
                         : "No effect is named: none is clearly more probable than a cause without a name.");
+}
+
+/* What stands in for the simulation, and what a gain may mean beside it. */
+static void add_simulated(json_t *story, const json_t *all) {
+    const json_t *simulated = json_object_get(all, "simulated"), *list = json_object_get(all, "effects"),
+                 *one;
+    char force[32];
+    if (!json_is_object(simulated))
+        return;
+    add(story,
+        "The lumped model that tells how the simulated force changes with the effects is %s, rms, off it; "
+        "that part is taken from the simulation as it is.",
+        force_text(json_number_at(simulated, "lumped_off_N"), force));
+    for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++)
+        if (strcmp(json_text_at(one, "id"), "sensor_gain") == 0)
+            add(story,
+                "A simulated specimen that is too soft or too stiff by that factor looks like the gain.");
 }
 
 /* What no term of the model follows, by what it depends on, the largest part first. */
@@ -276,6 +298,7 @@ static json_t *tell(const json_t *all) {
         add(story, "The search was stopped early: effects may be missing that were not tried.");
     add_objects(story, all);
     add_gap(story, all);
+    add_simulated(story, all);
     add_law(story, all);
     add_scatter(story, all);
     add_rest(story, all);
