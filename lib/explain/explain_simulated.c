@@ -61,7 +61,9 @@ palp_status explain_stand_in(size_t n, const palp_explain_input *inputs,
     const palp_explain_choice choice = {.most_arms = ARMS};
     palp_status status = palp_explain_material(model, count, simulated, &own, &choice, &fit, error);
     if (!status) {
+        palp_law *law = &model->material.law;
         model->material = fit.mean.material;
+        palp_law_limit(law, law->strain[law->n - 1]); /* as deep as the simulated runs go */
         palp_specimens_fit_free(&fit);
     }
     free(simulated);
@@ -100,9 +102,11 @@ static palp_status find_missed(const explain_data *data, const explain_run *run,
     return status;
 }
 
-/* By how much what is missed changes with the depth, rms over hundredths of the range, N/m. */
+static const double PART = 0.01; /* of the range: over so much a slope is taken */
+
+/* By how much what is missed changes with the depth, rms over parts of the range, N/m. */
 static double slope_of_missed(const explain_data *data, const forces *f) {
-    const double step = 0.01 * data->deepest;
+    const double step = PART * data->deepest;
     double square = 0.0, way = 0.0;
     for (size_t i = 1, last = 0; i < f->n; i++) {
         const double moved = f->depth[i] - f->depth[last];
@@ -119,7 +123,8 @@ static double slope_of_missed(const explain_data *data, const forces *f) {
  * nats of log evidence: half its square over the noise's. */
 static palp_status add_missed(const explain_data *data, explain_run *run, const forces *f, const char *name,
                               double nats, palp_error *error) {
-    const double slope = slope_of_missed(data, f), last = run->time[run->n - 1];
+    const double slope = slope_of_missed(data, f), last = run->time[run->n - 1],
+                 known = (1.0 + PART) * data->given->material.law.strain_max * run->height;
     double apart = 0.0, at = 0.0, square = 0.0;
     if (f->time[f->n - 1] < last - data->step)
         return palp_error_set(error, PALP_ERR_INPUT, "%s: ends after %.4g s, but %s after %.4g s", name,
@@ -131,6 +136,10 @@ static palp_status add_missed(const explain_data *data, explain_run *run, const 
                      depth = f->depth[k] + share * (f->depth[k + 1] - f->depth[k]),
                      off = fabs(run->depth[i] - depth);
         run->added[i] = f->missed[k] + share * (f->missed[k + 1] - f->missed[k]);
+        if (run->depth[i] > known)
+            return palp_error_set(error, PALP_ERR_INPUT,
+                                  "%s: goes to %.4g mm, but no simulated run beyond %.4g mm", run->name,
+                                  1e3 * run->depth[i], 1e3 * known / (1.0 + PART));
         if (run->depth[i] <= 0.0 && depth <= 0.0)
             continue;
         square += slope * off * slope * off;
