@@ -34,6 +34,8 @@ static const subcommand subcommands[] = {
     {"Files", "export", "write a network for another solver (CalculiX)", cmd_export},
     {"Many runs", "batch", "run a command over many inputs, here or on many machines, into one table",
      cmd_batch},
+    {NULL, "benchmark", "held-out errors of palpate and other programs on fixed splits, in one table",
+     cmd_benchmark},
 };
 
 enum { SUBCOMMANDS = sizeof subcommands / sizeof subcommands[0] };

@@ -31,6 +31,12 @@ typedef struct palp_explain_limits {
     double rest_s;            /* before each of its runs; 0: the mean pause between the runs */
 } palp_explain_limits;
 
+/* What a run comes with; the experiment is only read. */
+typedef struct palp_explain_input {
+    const palp_experiment *experiment;
+    const char *name; /* the file's, for messages */
+} palp_explain_input;
+
 typedef struct palp_explain_settings {
     size_t max_effects;        /* 4; at most PALP_EXPLAIN_EFFECTS */
     double false_alarm;        /* 0.05: chance that any effect at all is named where nothing is missing */
@@ -41,7 +47,9 @@ typedef struct palp_explain_settings {
     palp_explain_limits next;                   /* of the next experiment; all 0 */
     size_t n_held_out;                          /* runs kept out of the fit; 0 = each in turn */
     const size_t *held_out;                     /* [n_held_out] indices, caller's */
-    palp_explain_loop *loop;                    /* NULL = one after the other; the result is the same */
+    const palp_explain_input *simulated; /* NULL, or [n] what another program computed along the same paths,
+                                            for palp_explain; experiment NULL: nothing for this run */
+    palp_explain_loop *loop;             /* NULL = one after the other; the result is the same */
     void *loop_user;
     void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all.
                                                    The loop's threads call it too, several at once */
@@ -52,14 +60,6 @@ typedef struct palp_explain_settings {
 } palp_explain_settings;
 
 PALP_API palp_explain_settings palp_explain_settings_default(void);
-
-/* What a run comes with; the experiment is only read. */
-typedef struct palp_explain_input {
-    const palp_experiment *experiment;
-    const char *name;                           /* the file's, for messages */
-    const struct palp_explain_input *simulated; /* NULL, or the forces that another program computed along the
-                                                   same path; its own simulated is not read */
-} palp_explain_input;
 
 /* What a run presses: its file's specimen.kind says it ("none" is air, "rigid" a block), or its force beside
  * the others' shows it. */
@@ -259,19 +259,18 @@ typedef struct palp_explanation {
 
 PALP_API void palp_explanation_free(palp_explanation *explanation); /* NULL is fine */
 
-/* With model NULL each run of the specimen has a simulated one: the force is that of the other program, and
- * nothing of its material is fitted. A lumped model that follows the simulated forces
- * (palp_explain_material) stands in for what they do not say: F = simulated + model with the effects along
- * the recorded path - model without them along the simulated one. Its error matters in proportion to the
- * effects. base and model are that lumped model. ERR_INPUT with a line where paths differ: by more than what
- * moves the log evidence by the threshold of settings->false_alarm, as far as the model misses the simulated
- * forces. ERR_ARGUMENT: a model and simulated runs; ERR_UNSUPPORTED: a simulated run that goes on in another
- * file.
- * The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the law of the given
- * family that is nearest. evidence_se is paired over the parts that are omitted in turn: each run, or each
- * eighth of a single one. An effect that does not help to predict that is not accepted.
- * ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network with mass, or a model
- * that is not PALP_HISTORY; ERR_LIMIT: more effects in the model than can be added to. */
+/* With settings->simulated, and model NULL, each run of the specimen has a simulated one: the force is that
+ * of the other program, and nothing of its material is fitted. A lumped model that follows the simulated
+ * forces (palp_explain_material) stands in for what they do not say: F = simulated + model with the effects
+ * along the recorded path - model without them along the simulated one. Its error matters in proportion to
+ * the effects. base and model are that lumped model. ERR_INPUT with a line where paths differ: by more than
+ * what moves the log evidence by the threshold of settings->false_alarm, as far as the model misses the
+ * simulated forces. ERR_ARGUMENT: a model and simulated runs; ERR_UNSUPPORTED: a simulated run that goes on
+ * in another file. The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the
+ * law of the given family that is nearest. evidence_se is paired over what is left out in turn: each run, or
+ * each eighth of a single one. An effect that does not help to predict that is not accepted. ERR_INPUT with a
+ * line for runs that cannot be used; ERR_UNSUPPORTED: a network with mass, or a model that is not
+ * PALP_HISTORY; ERR_LIMIT: more effects in the model than can be added to. */
 PALP_API palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
                                   const palp_explain_settings *settings, palp_explanation *explanation,
                                   palp_error *error);

@@ -246,12 +246,12 @@ palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_i
                          const palp_explain_settings *settings, palp_explanation *explanation,
                          palp_error *error) {
     palp_model stand_in;
-    if (!inputs || !settings || !explanation || (!model && !explain_is_simulated(n, inputs)))
+    if (!inputs || !settings || !explanation || (!model && !settings->simulated))
         return palp_error_null(error);
     memset(explanation, 0, sizeof *explanation);
     if (n == 0)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no runs to explain");
-    if (model && explain_is_simulated(n, inputs))
+    if (model && settings->simulated)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "a model beside simulated forces");
     if (!model) {
         palp_status status = explain_stand_in(n, inputs, settings, &stand_in, error);
@@ -274,7 +274,7 @@ palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_i
         status = explain_data_create(n, inputs, settings, model, &s->data, error);
         if (!status) {
             infer_use_spikes(&s->data);
-            status = explain_take_simulated(&s->data, infer_threshold(settings), error);
+            status = explain_take_simulated(&s->data, settings->simulated, infer_threshold(settings), error);
         }
         if (!status) {
             explanation->simulated = s->data.simulated;

@@ -322,9 +322,6 @@ static palp_status take_run(explain_data *data, size_t r, const palp_explain_inp
     status = goes_below_contact(run) ? palp_recording_check(e, run->name, run->height, error) : PALP_OK;
     if (status)
         return status;
-    run->simulated = air || !goes_below_contact(run) ? NULL : input->simulated;
-    if (data->simulated && !air && goes_below_contact(run) && !run->simulated)
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: no simulated run goes with it", run->name);
     run->session = explain_number_of(e, "session.start_s", NAN);
     take_contact(data, 1e-3 * explain_number_of(e, "contact.sd_mm", 0.0));
     status = segments_phases(run->n, run->time, run->depth, run->force, run->phase, run->stood);
@@ -365,6 +362,7 @@ static palp_status take_runs(explain_data *data, size_t n, const palp_explain_in
         explain_run *run = &data->run[data->n_runs++];
         run->fresh = renewed;
         run->specimen = specimen;
+        run->input = data->joined.first[of];
         renewed = false;
         for (size_t k = 0; k < settings->n_held_out; k++)
             run->held_out = run->held_out || data->joined.of[settings->held_out[k]] == data->joined.first[of];
@@ -398,7 +396,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
                                 const palp_explain_settings *settings, const palp_model *model,
                                 explain_data *data, palp_error *error) {
     *data = (explain_data){.given = model,
-                           .simulated = explain_is_simulated(n, inputs),
+                           .simulated = settings->simulated != NULL,
                            .contacts_alike = settings->contact == PALP_CONTACT_KNOWN ||
                                              settings->contact == PALP_CONTACT_COMMON};
     data->run = calloc(n, sizeof *data->run);

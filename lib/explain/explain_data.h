@@ -26,7 +26,7 @@ typedef struct explain_run {
     size_t specimen;              /* which of the data's it presses, as the files name them */
     double largest_strain;        /* largest strain of the earlier runs on its specimen, by depth */
     bool held_out;                /* kept out of the fit */
-    const palp_explain_input *simulated; /* NULL: its force is not needed, as nothing is pressed */
+    size_t input;                 /* it begins with this one of the caller's */
     double *added; /* [n] simulated force less the model's along the simulated path; NULL: none */
 } explain_run;
 
@@ -149,16 +149,14 @@ double explain_number_of(const palp_experiment *e, const char *key, double other
 
 /* ---- forces of another program (explain_simulated.c) ---- */
 
-/* Whether any of the inputs has simulated forces. */
-bool explain_is_simulated(size_t n, const palp_explain_input *inputs);
-
 /* A lumped model that follows the simulated forces. */
 palp_status explain_stand_in(size_t n, const palp_explain_input *inputs,
                              const palp_explain_settings *settings, palp_model *model, palp_error *error);
 
 /* What the data's model misses of the simulated forces, into each run. nats: by how much a path that differs
  * may move the log evidence. */
-palp_status explain_take_simulated(explain_data *data, double nats, palp_error *error);
+palp_status explain_take_simulated(explain_data *data, const palp_explain_input *simulated, double nats,
+                                   palp_error *error);
 
 /* ---- what a model gives (explain_predict.c): as palp_forward_force, for a network by forward_network_force
  * ---- */

@@ -6,24 +6,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-bool explain_is_simulated(size_t n, const palp_explain_input *inputs) {
-    bool any = false;
-    for (size_t i = 0; i < n; i++)
-        any = any || inputs[i].simulated;
-    return any;
-}
-
 /* ---- the lumped model ---- */
 
-/* The first length that a file says, m; measured files count as well as simulated ones. */
+/* The first length that a file says, m. */
 static double first_length(size_t n, const palp_explain_input *inputs, const char *key, double otherwise) {
     for (size_t i = 0; i < n; i++)
-        for (int k = 0; k < 2 && inputs[i].simulated; k++) {
-            const palp_experiment *e = k ? inputs[i].simulated->experiment : inputs[i].experiment;
-            const double length = 1e-3 * explain_number_of(e, key, 0.0);
-            if (length > 0.0)
-                return length;
-        }
+        if (explain_number_of(inputs[i].experiment, key, 0.0) > 0.0)
+            return 1e-3 * explain_number_of(inputs[i].experiment, key, 0.0);
     return otherwise;
 }
 
@@ -46,14 +35,15 @@ palp_status explain_stand_in(size_t n, const palp_explain_input *inputs,
     own.contact = PALP_CONTACT_KNOWN;
     own.progress = NULL;
     own.n_held_out = 0;
+    own.simulated = NULL;
     palp_specimens_fit fit;
     palp_explain_input *simulated = malloc(n * sizeof *simulated);
     size_t count = 0;
     if (!simulated)
         return palp_error_set(error, PALP_ERR_NO_MEMORY, "out of memory");
     for (size_t i = 0; i < n; i++)
-        if (inputs[i].simulated)
-            simulated[count++] = *inputs[i].simulated;
+        if (settings->simulated[i].experiment)
+            simulated[count++] = settings->simulated[i];
     *model = (palp_model){
         .kind = PALP_MODEL_LUMPED,
         .height_m = first_length(n, inputs, "specimen.height_mm", TALL * deepest_of(count, simulated)),
@@ -155,9 +145,8 @@ static palp_status add_missed(const explain_data *data, explain_run *run, const 
     return PALP_OK;
 }
 
-static palp_status take_forces(explain_data *data, explain_run *run, double nats, double *square,
-                               palp_error *error) {
-    const palp_explain_input *from = run->simulated;
+static palp_status take_forces(const explain_data *data, explain_run *run, const palp_explain_input *from,
+                               double nats, double *square, palp_error *error) {
     const char *name = from->name ? from->name : "a simulated run";
     forces f = {.n = 0};
     run->added = malloc(run->n * sizeof *run->added);
@@ -172,19 +161,32 @@ static palp_status take_forces(explain_data *data, explain_run *run, double nats
     return status;
 }
 
-palp_status explain_take_simulated(explain_data *data, double nats, palp_error *error) {
+static bool presses(const explain_run *run) {
+    for (size_t i = 0; i < run->n; i++)
+        if (run->depth[i] > 0.0)
+            return true;
+    return false;
+}
+
+palp_status explain_take_simulated(explain_data *data, const palp_explain_input *simulated, double nats,
+                                   palp_error *error) {
     double square = 0.0, count = 0.0;
     palp_status status = PALP_OK;
-    for (size_t k = 0; k < data->joined.n && !status; k++)
-        if (data->joined.input[k].simulated && data->joined.made[k])
-            status = palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                                    "%s: goes on in another file; simulated forces need all of a run in one",
-                                    data->joined.input[k].name ? data->joined.input[k].name : "run");
-    for (size_t r = 0; r < data->n_runs && !status; r++) {
+    for (size_t r = 0; r < data->n_runs && simulated && !status; r++) {
         explain_run *run = &data->run[r];
-        if (!run->simulated)
+        const palp_explain_input *from = &simulated[run->input];
+        size_t k = 0;
+        while (data->joined.first[k] != run->input)
+            k++;
+        if (!presses(run))
             continue;
-        status = take_forces(data, run, nats, &square, error);
+        if (!from->experiment)
+            return palp_error_set(error, PALP_ERR_INPUT, "%s: no simulated run goes with it", run->name);
+        if (data->joined.made[k])
+            return palp_error_set(error, PALP_ERR_UNSUPPORTED,
+                                  "%s: goes on in another file; simulated forces need all of a run in one",
+                                  run->name);
+        status = take_forces(data, run, from, nats, &square, error);
         count += (double)run->n;
     }
     data->simulated_off = count > 0.0 ? sqrt(square / count) : 0.0;

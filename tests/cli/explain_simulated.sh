@@ -1,5 +1,5 @@
 #!/bin/sh
-# explain_simulated.sh: what is hidden in measurements of another program's model is named, with its size; nothing hidden, nothing.
+# explain_simulated.sh: what is hidden in measurements of another program's model is named, with its size; nothing hidden, nothing. check: once
 . tests/cli/common
 SOURCE=$ROOT/data/simulated
 

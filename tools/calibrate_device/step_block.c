@@ -76,7 +76,7 @@ static int frame_of(const char *folder, palp_frame *frame) {
     palp_experiment *e = NULL;
     snprintf(path, sizeof path, "%.*s/calibrate_block.csv", (int)sizeof path - 32, folder);
     palp_status status = palp_experiment_read(path, &e, &error);
-    const palp_explain_input run = {.experiment = e, .name = path};
+    const palp_explain_input run = {e, path};
     status = status ? status : palp_explain_frame(1, &run, frame, &error);
     palp_experiment_free(e);
     return status ? cli_status(NAME, status, &error) : CLI_OK;

@@ -75,7 +75,7 @@ static int make_runs(const characterize_state *s, palp_experiment **run, palp_ex
         palp_status status = make_run(s, r, samples > MANY, &run[r]);
         if (status)
             return cli_status_of(NAME, s->run[r].name, status, NULL);
-        input[r] = (palp_explain_input){.experiment = run[r], .name = s->run[r].name};
+        input[r] = (palp_explain_input){run[r], s->run[r].name};
     }
     return CLI_OK;
 }

@@ -226,7 +226,7 @@ static int open_compared(const explain_options *o, palp_model *model, palp_mesh_
 }
 
 static int explain(explain_options *o, palp_explain_input *input, palp_experiment **run, size_t *held_out) {
-    palp_explain_input *simulated = input + EXPLAIN_RUNS_MAX;
+    palp_explain_input *simulated = input + EXPLAIN_RUNS_MAX, *simulated_of = simulated + EXPLAIN_RUNS_MAX;
     palp_model model;
     palp_mesh_source mesh;
     palp_explain_settings s = palp_explain_settings_default();
@@ -247,7 +247,9 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     code = code ? code : open_compared(o, &model, &mesh, simulated, run + EXPLAIN_RUNS_MAX);
     code = code ? code : open_runs(NAME, o->n_words, o->words, o->every, run, input);
     for (size_t r = 0; r < o->n_words && o->simulated; r++)
-        input[r].simulated = o->simulated_of[r] < o->n_simulated ? &simulated[o->simulated_of[r]] : NULL;
+        simulated_of[r] = o->simulated_of[r] < o->n_simulated ? simulated[o->simulated_of[r]]
+                                                              : (palp_explain_input){.experiment = NULL};
+    s.simulated = o->simulated ? simulated_of : NULL;
     if (code == CLI_OK) {
         if (o->model)
             extend_range(&model, o->n_words, run);
@@ -270,8 +272,8 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
 
 int cmd_explain(int argc, char **argv) {
     explain_options *o = calloc(1, sizeof *o);
-    palp_explain_input *input =
-        calloc(2 * (size_t)EXPLAIN_RUNS_MAX, sizeof *input); /* the simulated ones last */
+    palp_explain_input *input = calloc(3 * (size_t)EXPLAIN_RUNS_MAX,
+                                       sizeof *input); /* and simulated ones, as given and of each run */
     palp_experiment **run = calloc(2 * (size_t)EXPLAIN_RUNS_MAX, sizeof *run);
     size_t *held_out = calloc(EXPLAIN_RUNS_MAX, sizeof *held_out);
     bool room = o && input && run && held_out;

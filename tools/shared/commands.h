@@ -17,5 +17,6 @@ int cmd_reduce(int argc, char **argv);
 int cmd_explain(int argc, char **argv);
 int cmd_export(int argc, char **argv);
 int cmd_batch(int argc, char **argv);
+int cmd_benchmark(int argc, char **argv);
 
 #endif

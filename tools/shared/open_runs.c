@@ -60,7 +60,7 @@ int open_runs(const char *command, size_t n, const char *const *files, size_t ev
         palp_status status = picked > 1 ? thin(&run[r], picked) : PALP_OK;
         if (status)
             return cli_status_of(command, files[r], status, NULL);
-        input[r] = (palp_explain_input){.experiment = run[r], .name = files[r]};
+        input[r] = (palp_explain_input){run[r], files[r]};
     }
     if (picked > 1 && !every)
         cli_note(command, "one sample in %zu of each run is taken", picked);
