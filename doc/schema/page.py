@@ -5,7 +5,7 @@ import os
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ORDER = ["experiment", "model", "reduced", "characterize", "calibrate", "explain", "figure", "simulate", "inclusion", "reduce", "export", "acquire", "firmware",
-         "protocol", "calibration", "machine", "calibrate_device", "actuator", "batch"]
+         "protocol", "calibration", "machine", "calibrate_device", "actuator", "batch", "benchmark", "benchmark_result"]
 HEAD = """# Files and results in JSON
 
 Every JSON that palpate reads or writes, key by key. The same for programs: `schema/*.json`, one JSON Schema each, of which this page is

@@ -190,6 +190,19 @@ for to in abaqus mujoco newton; do
     expect 0 export "$DATA/lumped_n1.json" --to $to --depth-mm 3 --nodes 3 --out scene --json && mv out export_$to.json
     set -- "$@" export=export_$to.json
 done
+# ---- other programs' forces, and what they miss ----
+mkdir -p simulated measured
+awk -v out=simulated/r -f "$ROOT/data/simulated/runs.awk" "$ROOT/data/simulated/calculix.csv"
+awk -v out=measured/r -v noise=0.004 -v seed=1 -f "$ROOT/data/simulated/runs.awk" "$ROOT/data/simulated/calculix.csv"
+expect 0 explain --simulated simulated/r2.csv simulated/r4.csv measured/r2.csv measured/r4.csv --max-effects 0 --json && mv out simulated.json
+mkdir -p set/predictions/other/all
+cp measured/r2.csv measured/r4.csv set && cp set/r2.csv set/predictions/other/all
+cat >set/benchmark.json <<'J'
+{"palpate": {"benchmark": 1}, "about": "all", "palpate_with": [{"name": "palpate", "arguments": ["--arms", "0"]}], "programs": ["other", "none"],
+ "splits": [{"name": "all", "about": "a", "leaves_out": "speeds", "fit": ["r4.csv"], "predict": ["r2.csv"], "deeper_than_mm": 1, "later_than_s": 1}]}
+J
+expect 0 benchmark set --json && mv out benchmark.json
+set -- "$@" explain=simulated.json benchmark=set/benchmark.json benchmark="$ROOT/data/benchmark/benchmark.json" benchmark_result=benchmark.json
 
 # ---- what comes with palpate, and what import makes ----
 for f in "$ROOT"/data/protocols/*.json; do set -- "$@" protocol=$f; done

@@ -7,7 +7,7 @@ grep -q '^palpate [0-9]*\.[0-9]*\.[0-9]*$' out || fail "--version: $(cat out)"
 expect 0 --help
 grep -q '^Usage: palpate COMMAND' out || fail "--help lacks its usage"
 grep -q '^Example:' out || fail "--help lacks an example"
-for command in acquire panel rig import characterize explain report simulate calibrate reduce export firmware calibrate-device batch; do
+for command in acquire panel rig import characterize explain report simulate calibrate reduce export firmware calibrate-device batch benchmark; do
     grep -q "^  $command " out || fail "--help lacks $command"
     "$PALPATE" $command --help >help 2>err || fail "$command --help: exit code $?"
     [ -s err ] && fail "$command --help writes to stderr"

@@ -85,26 +85,35 @@ static int take_split(benchmark *b, size_t i, const json_t *from) {
     return CLI_OK;
 }
 
+static int take_own(benchmark *b, size_t i, const json_t *from) {
+    static const char *const known[] = {"name", "arguments"};
+    benchmark_program *p = &b->program[b->n_programs++];
+    char where[64];
+    snprintf(where, sizeof where, "palpate_with %zu", i + 1);
+    *p = (benchmark_program){.name = json_string_value(json_object_get(from, "name")), .own = true};
+    int code = check_keys(b, where, from, 2, known);
+    if (code == CLI_OK &&
+        (!p->name || !*p->name ||
+         !take_texts(json_object_get(from, "arguments"), BENCHMARK_WORDS - 8, p->words, &p->n_words)))
+        code = fault(b, where, "needs name, a text, and arguments, a list of options of characterize");
+    return code;
+}
+
 static int take_programs(benchmark *b, const json_t *own, const json_t *others) {
-    const char *name;
-    json_t *words;
-    size_t n = json_array_size(others);
-    if (!json_is_object(own) || (others && !json_is_array(others)) ||
-        json_object_size(own) + n > BENCHMARK_PROGRAMS || json_object_size(own) + n == 0)
-        return fault(b, "", "palpate_with must be an object and programs a list, 16 programs in all at most");
-    json_object_foreach((json_t *)own, name, words) {
-        benchmark_program *p = &b->program[b->n_programs++];
-        *p = (benchmark_program){.name = name, .own = true};
-        if (!take_texts(words, BENCHMARK_WORDS - 8, p->words, &p->n_words))
-            return fault(b, name, "must be a list of options of palpate characterize");
-    }
-    for (size_t i = 0; i < n; i++) {
+    const size_t n_own = json_array_size(own), n = json_array_size(others);
+    int code = CLI_OK;
+    if ((own && !json_is_array(own)) || (others && !json_is_array(others)) || n_own + n == 0 ||
+        n_own + n > BENCHMARK_PROGRAMS)
+        return fault(b, "", "palpate_with and programs must be lists, of 1 to 16 programs in all");
+    for (size_t i = 0; i < n_own && code == CLI_OK; i++)
+        code = take_own(b, i, json_array_get(own, i));
+    for (size_t i = 0; i < n && code == CLI_OK; i++) {
         benchmark_program *p = &b->program[b->n_programs++];
         *p = (benchmark_program){.name = json_string_value(json_array_get(others, i))};
         if (!is_name(p->name))
-            return fault(b, "programs", "must list names of folders of predictions/");
+            code = fault(b, "programs", "must list names of folders of predictions/");
     }
-    return CLI_OK;
+    return code;
 }
 
 int benchmark_read(const char *folder, benchmark *b) {

@@ -70,7 +70,7 @@ static int parse(int argc, char **argv, explain_options *o) {
     };
     const cli_command command = {
         NAME,
-        "--model MODEL.json RUN.csv ... [options] | --simulated SIM.csv ... RUN.csv ... [options]",
+        "(--model MODEL.json | --simulated SIM.csv ...) RUN.csv ... [options]",
         "Refits a model to runs, finds where they disagree, names the missing effect from the catalogue, "
         "adds it and\n"
         "shows the gap shrink. It may also say that nothing is missing, that two effects cannot be told "
