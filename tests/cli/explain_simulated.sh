@@ -34,6 +34,14 @@ named() {
     near "$1" "$(value "$1.json" "$3")" "$2" 0.03
 }
 named frame_compliance 0.01 compliance_mm_N
+# Without a height the lumped model has strains of another scale, which change nothing.
+mkdir -p bare_sim bare
+for i in 1 2 3 4; do
+    grep -v height sim/run_$i.csv >bare_sim/run_$i.csv
+    grep -v height frame_compliance/run_$i.csv >bare/run_$i.csv
+done
+expect 0 explain --simulated bare_sim/*.csv bare/*.csv --candidates frame_compliance --result bare.json
+near "frame without a height" "$(value bare.json compliance_mm_N)" "$(value frame_compliance.json compliance_mm_N)" 1e-3
 named contact_offset 0.1 offset_mm
 named sensor_lag 0.08 time_s
 named sensor_drift 0.004 force_N_s

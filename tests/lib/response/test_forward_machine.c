@@ -30,6 +30,24 @@ START_TEST(frame_loads_the_specimen_less) {
 }
 END_TEST
 
+/* A force beside the specimen's reaches the sensor, and no frame: the sensor's gain multiplies both. */
+START_TEST(added_force_is_sensed) {
+    static double added[SAMPLES_MAX];
+    palp_model m = linear_model(9);
+    palp_error error = {PALP_OK, ""};
+    add_effect(&m, PALP_EFFECT_FRAME_COMPLIANCE, 1)->value[0] = 1.1e-3;
+    add_effect(&m, PALP_EFFECT_SENSOR_GAIN, 1)->value[0] = 0.25;
+    start(&s, 0, -1);
+    go(&s, 2, 5, 30);
+    for (size_t i = 0; i < s.n; i++)
+        added[i] = 0.3 * sin((double)i);
+    const palp_forward_run run = {.n = s.n, .time_s = s.time_s, .depth_m = s.depth_m, .added_N = added};
+    ck_assert_int_eq(palp_forward_force(&m, &run, s.force_N, NULL, &error), PALP_OK);
+    for (size_t i = 0; i < s.n; i++)
+        EXPECT(i, 1.25 * (added[i] + fmax(0, 9 * s.depth_m[i] / (HEIGHT + 9 * 1.1e-3))), 1e-14);
+}
+END_TEST
+
 START_TEST(lag_of_a_ramp) {
     palp_model m = linear_model(9);
     add_effect(&m, PALP_EFFECT_SENSOR_LAG, 1)->value[0] = 0.4;
@@ -127,6 +145,7 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, frame_is_a_spring_in_series);
     tcase_add_test(tc, frame_loads_the_specimen_less);
+    tcase_add_test(tc, added_force_is_sensed);
     tcase_add_test(tc, lag_of_a_ramp);
     tcase_add_test(tc, inertia_and_friction_in_air);
     tcase_add_test(tc, speed_of_a_swing);
