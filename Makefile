@@ -54,6 +54,10 @@ SERIAL_LIBS  = $(shell $(PKG_CONFIG) --libs libserialport 2>/dev/null || echo -l
 # Optional: without it palpate panel says what is missing.
 HTTP_CFLAGS := $(shell $(PKG_CONFIG) --exists libmicrohttpd 2>/dev/null && echo -DPALPATE_HTTP $$($(PKG_CONFIG) --cflags libmicrohttpd))
 HTTP_LIBS   := $(if $(HTTP_CFLAGS),$(shell $(PKG_CONFIG) --libs libmicrohttpd))
+# Optional: HDF5 files for palpate import, by a program of its own. Debian's plain hdf5.pc may be that for MPI.
+HDF5_PC    := $(firstword $(foreach p,hdf5-serial hdf5,$(shell $(PKG_CONFIG) --exists $(p) 2>/dev/null && echo $(p))))
+HDF5_CFLAGS = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags $(HDF5_PC)))
+HDF5_LIBS   = $(shell $(PKG_CONFIG) --libs $(HDF5_PC))
 HAS_POKE    := $(shell $(PKG_CONFIG) --exists glfw3 gl stb 2>/dev/null && echo yes)
 POKE_CFLAGS  = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags glfw3 gl stb 2>/dev/null))
 POKE_LIBS    = $(shell $(PKG_CONFIG) --libs glfw3 gl stb 2>/dev/null || echo -lglfw -lGL -lstb)
@@ -90,6 +94,7 @@ LIB_TEST_HELP  := $(filter-out $(LIB_TESTS),$(wildcard tests/lib/*.c))
 TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS) tests/tools/serial_shim.c,$(wildcard tests/tools/*.c))
 CORE_TEST_HELP := $(filter-out $(CORE_TESTS),$(wildcard tests/firmware/*.c))
 BENCH_HELP     := $(filter-out $(BENCHES),$(wildcard bench/*.c))
+HDF5_SRC       := $(wildcard tools/import/hdf5/*.c)
 HEADERS := $(wildcard include/palpate/*.h)
 DOCUMENTS := README.md LICENSE $(wildcard doc/*.md doc/pictures/* doc/schema/*.json doc/schema/page.py) $(EXAMPLES) $(wildcard examples/poke/* examples/cmake/*)
 MAN_SRC := $(wildcard doc/*.scd)
@@ -107,6 +112,7 @@ SHARED := $(BUILD)/libpalpate.so.$(VERSION)
 SIM_SONAME := libpalpate-sim.so.$(SOVERSION)
 SIM_SHARED := $(BUILD)/libpalpate-sim.so.$(VERSION)
 TOOL   := $(BUILD)/palpate
+HDF5   := $(if $(HDF5_PC),$(BUILD)/palpate-hdf5)
 POKE   := $(BUILD)/examples/poke/poke
 TEST_PROGRAMS := $(call prog,$(LIB_TESTS) $(TOOL_TESTS) $(CORE_TESTS))
 ifneq ($(V),1)
@@ -116,12 +122,12 @@ endif
 
 # ---- building ------------------------------------------------------------------------------------
 .PHONY: all static shared programs tests examples poke poke-build FORCE
-all: static shared $(TOOL) firmware-host ## the static and shared library and the palpate command, under build/
+all: static shared $(TOOL) $(HDF5) firmware-host ## the static and shared library and the palpate command, under build/
 static: $(STATIC) $(SIM_STATIC)
 shared: $(SHARED) $(SIM_SHARED)
-tests: $(TEST_PROGRAMS) $(TOOL) firmware-host
+tests: $(TEST_PROGRAMS) $(TOOL) $(HDF5) firmware-host
 examples: $(call prog,$(EXAMPLES)) ## build/examples/*: what a simulator author starts from (doc/simulator.md)
-programs: $(STATIC) $(TOOL) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_POKE),$(POKE))
+programs: $(STATIC) $(TOOL) $(HDF5) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_POKE),$(POKE))
 
 # Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
 FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS) $(HTTP_CFLAGS)
@@ -135,6 +141,7 @@ $(BUILD)/obj/lib/%.o: EXTRA := -Ilib
 $(BUILD)/obj/lib/ranks/%.o: EXTRA := -Ilib $(PETSC_CFLAGS)
 FIRMWARE_FLAGS := -Ifirmware/core -Ifirmware/board
 $(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS) $(HTTP_CFLAGS)
+$(BUILD)/obj/tools/import/hdf5/%.o: EXTRA := $(if $(HDF5_PC),$(HDF5_CFLAGS))
 # The pages of palpate panel and of results, as bytes.
 $(BUILD)/obj/tools/panel/panel_page.o: EXTRA += -I$(BUILD)/page/panel
 $(BUILD)/obj/tools/panel/panel_page.o: $(BUILD)/page/panel/page_bytes.h
@@ -194,6 +201,9 @@ link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o 
 $(TOOL): $(call obj,$(TOOL_SRC)) $(CORE) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(SERIAL_LIBS) $(HTTP_LIBS))
+$(BUILD)/palpate-hdf5: $(call obj,$(HDF5_SRC)) $(STATIC)
+	$(call note,LD   $@)
+	$(call link,$(HDF5_LIBS))
 # A test is linked with what its folder shares, the main function too, where it has none of its own.
 $(BUILD)/tests/lib.a: $(call obj,$(LIB_TEST_HELP) tests/main_check.c)
 $(BUILD)/tests/tools.a: $(call obj,$(TOOL_TEST_HELP) tests/main_cmocka.c $(filter-out tools/palpate.c,$(TOOL_SRC)))
@@ -223,7 +233,7 @@ $(POKE): $(call obj,$(POKE_SRC)) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(POKE_LIBS))
 
-ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c tests/lib/*/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
+ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(HDF5_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c tests/lib/*/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
 -include $(patsubst %.o,%.d,$(call obj,$(ALL_SRC)))
 
 -include firmware/firmware.mk
@@ -302,7 +312,7 @@ install: all $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if 
 	install -m 644 $(STATIC) $(SHARED) $(SIM_STATIC) $(SIM_SHARED) '$(D)$(LIBDIR)'
 	install -D -m 644 tools/indenter/70-palpate.rules '$(D)$(UDEVDIR)/70-palpate.rules'
 	install -d '$(D)$(IMAGEDIR)'
-	install -m 755 $(FW)/indenter_host '$(D)$(IMAGEDIR)'
+	install -m 755 $(FW)/indenter_host $(HDF5) '$(D)$(IMAGEDIR)'
 	for f in $(DOCUMENTS); do install -D -m 644 $$f "$(D)$(DOCDIR)/$$f" || exit 1; done
 	$(if $(FW_IMAGES),install -m 644 $(FW_IMAGES) '$(D)$(IMAGEDIR)')
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
@@ -330,7 +340,7 @@ uninstall: ## removes what install put there
 	    pkgconfig/palpate-sim.pc cmake/palpate/palpate-config.cmake cmake/palpate/palpate-config-version.cmake,'$(D)$(LIBDIR)/$(f)')
 	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
-	rm -f '$(D)$(UDEVDIR)/70-palpate.rules' $(foreach f,indenter_host $(FW_IMAGE_NAMES),'$(D)$(IMAGEDIR)/$(f)')
+	rm -f '$(D)$(UDEVDIR)/70-palpate.rules' $(foreach f,indenter_host palpate-hdf5 $(FW_IMAGE_NAMES),'$(D)$(IMAGEDIR)/$(f)')
 	rm -f $(foreach f,$(DOCUMENTS),'$(D)$(DOCDIR)/$(f)')
 	-rmdir '$(D)$(LIBDIR)/cmake/palpate' '$(D)$(INCLUDEDIR)/palpate' '$(D)$(IMAGEDIR)' $(foreach f,/doc/pictures /doc/schema /doc /examples/poke /examples/cmake /examples /,'$(D)$(DOCDIR)$(f)')
 

@@ -52,6 +52,16 @@ PALP_API palp_status palp_experiment_set_number(palp_experiment *experiment, con
 PALP_API palp_status palp_experiment_set_string(palp_experiment *experiment, const char *key,
                                                 const char *value);
 
+/* The header's keys in the order of the file; NULL from i = their number on. */
+PALP_API const char *palp_experiment_key(const palp_experiment *experiment, size_t i);
+
+/* Any header value as JSON text, as it stands in a file: numbers with every digit that they need. The caller
+ * frees *text by free. set_json adds or replaces. ERR_INPUT: the key is absent, or the text is not JSON;
+ * ERR_ARGUMENT as for the other setters. */
+PALP_API palp_status palp_experiment_get_json(const palp_experiment *experiment, const char *key,
+                                              char **text);
+PALP_API palp_status palp_experiment_set_json(palp_experiment *experiment, const char *key, const char *text);
+
 /* Joins runs that are spread over several files. A recording continues another one of the same specimen
  * (specimen.name) if it begins under load at the time, depth and force at which that one ends. of[i] is
  * the recording that begins the run which recording i is a part of; i itself if it stands alone. whole[i] is

@@ -179,3 +179,22 @@ palp_status palp_experiment_set_string(palp_experiment *experiment, const char *
         return PALP_ERR_ARGUMENT;
     return json_object_set_new(experiment->header, key, json_string(value)) ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
+
+palp_status palp_experiment_set_json(palp_experiment *experiment, const char *key, const char *text) {
+    if (!experiment || !key || !text)
+        return PALP_ERR_ARGUMENT;
+    if (!palp_experiment_key_valid(key, strlen(key)))
+        return PALP_ERR_ARGUMENT;
+    json_error_t error;
+    json_t *value = json_loads(text, JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, &error);
+    if (!value)
+        return json_error_code(&error) == json_error_out_of_memory ? PALP_ERR_NO_MEMORY : PALP_ERR_INPUT;
+    return json_object_set_new(experiment->header, key, value) ? PALP_ERR_NO_MEMORY : PALP_OK;
+}
+
+const char *palp_experiment_key(const palp_experiment *experiment, size_t i) {
+    void *at = experiment ? json_object_iter(experiment->header) : NULL;
+    for (; at && i > 0; i--)
+        at = json_object_iter_next(experiment->header, at);
+    return at ? json_object_iter_key(at) : NULL;
+}

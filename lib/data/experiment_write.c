@@ -24,6 +24,20 @@ static char *format_header_value(const json_t *value) {
     return text;
 }
 
+palp_status palp_experiment_get_json(const palp_experiment *experiment, const char *key, char **text) {
+    if (!experiment || !key || !text)
+        return PALP_ERR_ARGUMENT;
+    const json_t *value = json_object_get(experiment->header, key);
+    palp_locale locale;
+    if (!value)
+        return PALP_ERR_INPUT;
+    if (!palp_locale_enter(&locale))
+        return PALP_ERR_NO_MEMORY;
+    *text = format_header_value(value);
+    palp_locale_leave(&locale);
+    return *text ? PALP_OK : PALP_ERR_NO_MEMORY;
+}
+
 /* Keys that say how the run ended are written after the numbers. */
 static bool is_end_of_run_key(const char *key) {
     return strncmp(key, "end.", 4) == 0;

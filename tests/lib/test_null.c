@@ -109,6 +109,13 @@ START_TEST(null_in_experiment) {
     REFUSED(palp_experiment_set_string(NULL, text, text));
     REFUSED(palp_experiment_set_string((void *)storage, NULL, text));
     REFUSED(palp_experiment_set_string((void *)storage, text, NULL));
+    NOTHING(!palp_experiment_key(NULL, 0));
+    REFUSED(palp_experiment_get_json(NULL, text, (char **)pointers));
+    REFUSED(palp_experiment_get_json((void *)storage, NULL, (char **)pointers));
+    REFUSED(palp_experiment_get_json((void *)storage, text, NULL));
+    REFUSED(palp_experiment_set_json(NULL, text, text));
+    REFUSED(palp_experiment_set_json((void *)storage, NULL, text));
+    REFUSED(palp_experiment_set_json((void *)storage, text, NULL));
     REFUSED(palp_experiment_join(2, NULL, (palp_experiment **)pointers, &count));
     REFUSED(palp_experiment_join(2, (void *)storage, NULL, &count));
     REFUSED(palp_experiment_join(2, (void *)storage, (palp_experiment **)pointers, NULL));

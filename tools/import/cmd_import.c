@@ -13,7 +13,9 @@ static const char NAME[] = "import";
 
 static int parse(int argc, char **argv, import_options *o, const char **files, size_t *n) {
     const cli_option options[] = {
-        cli_text("out", "DIR", &o->out, "folder for the experiments; created if it does not exist"),
+        cli_text("out", "DIR|FILE", &o->out,
+                 "folder for the experiments, created if it does not exist; or one file: RUN.csv,\n"
+                 "or RUN.h5, in which an experiment of palpate is written as HDF5"),
         cli_flag("force", &o->force, "replace existing recordings"),
         cli_heading("The file"),
         cli_choice("format", "mach1|instron|csv", &o->format,
@@ -72,14 +74,15 @@ static int parse(int argc, char **argv, import_options *o, const char **files, s
     };
     const cli_command command = {
         NAME,
-        "FILE|FOLDER ... --out DIR [options]",
+        "FILE|FOLDER ... --out DIR|FILE [options]",
         "Converts recordings of other testers to experiments, one DIR/FILE.csv each, with time_s, depth_mm\n"
         "(positive into the specimen, 0 at contact) and force_N (positive = compression). A table on stderr\n"
         "shows how each file was read. The files of a FOLDER are one session, in the order of recording.",
         "  palpate import sample_*.csv --out runs\n"
         "  palpate import mach1/*.csv --specimen-height-mm 2 --out runs\n"
         "  palpate import log.txt --map time=1,depth=3,force=4 --units time=ms,depth=um,force=gf \\\n"
-        "      --specimen-height-mm 24 --out runs\n",
+        "      --specimen-height-mm 24 --out runs\n"
+        "  palpate import run.csv --out run.h5\n",
         options,
         sizeof options / sizeof options[0]};
     int code = cli_parse(&command, argc, argv, files, (size_t)argc, n);
@@ -134,8 +137,11 @@ static int check_names(const import_options *o, const import_sources *all) {
                                        "%s and %s would both become %s.csv: import them into two folders",
                                        all->source[j]->file, s->file, s->name);
         }
-        snprintf(path, sizeof path, "%s/%s.csv", o->out, s->name);
-        code = cli_output_check(NAME, path, o->force, o->n_files, o->files);
+        if (import_out_is_file(o) && all->n > 1)
+            return cli_usage_error(NAME, "%s: is one file for %zu recordings; name a folder by --out DIR",
+                                   o->out, all->n);
+        code = import_out_path(o, s->name, path);
+        code = code ? code : cli_output_check(NAME, path, o->force, o->n_files, o->files);
     }
     return code;
 }
@@ -188,7 +194,7 @@ static int find_contacts(const import_options *o, import_sources *all) {
 static int write_all(const import_options *o, const import_sources *all) {
     int code = CLI_OK;
     size_t written = 0;
-    if (cli_folder(NAME, o->out))
+    if (!import_out_is_file(o) && cli_folder(NAME, o->out))
         return CLI_FAILURE;
     for (size_t i = 0; code == CLI_OK && i < all->n; i++) {
         const import_source *s = all->source[i];
@@ -262,6 +268,9 @@ static int find_files(import_options *o, size_t n, const char **words, names *li
 
 static int import_all(import_options *o, import_sources *all) {
     int code = check_options(o);
+    code = code ? code : import_convert(o);
+    if (code == CLI_OK && o->n_files == 0)
+        return CLI_OK; /* nothing remains to be imported */
     for (size_t i = 0; code == CLI_OK && i < o->n_files; i++)
         code = read_file(o, o->files[i], all);
     code = code ? code : check_names(o, all);

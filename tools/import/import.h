@@ -53,6 +53,21 @@ void import_text_free(import_text *text);
 char *import_line(import_text *text);                   /* the next; NULL at the end of the file */
 int import_sheet_read(import_text *text, size_t *size); /* a spreadsheet becomes its text; all else stays */
 
+/* Output of a program, malloc'ed; FILE among its words stands for the file. NULL unless it ended with *code
+ * 0; -1: a signal ended it; IMPORT_MISSING: it is not installed. quiet: its standard error is not shown. */
+enum { IMPORT_MISSING = 127 };
+char *import_run(const char *const words[], const char *file, bool quiet, size_t *size, int *code);
+
+/* HDF5 files, by the program palpate-hdf5: their tables as text; and experiments of palpate that need no
+ * import. import_convert writes those and takes them from the files of o. */
+bool import_hdf5_is(const char *file);
+int import_hdf5_read(import_text *text);
+int import_convert(import_options *o);
+bool import_out_is_file(const import_options *o); /* --out names a file, not a folder */
+
+/* Where a source's recording, or that of a file, is written. An exit code. */
+int import_out_path(const import_options *o, const char *name, char path[CLI_PATH_MAX]);
+
 /* ---- how rows are written ---- */
 
 typedef struct import_dialect {

@@ -37,7 +37,7 @@ static const struct kind {
               "xls2csv (Debian package catdoc) or ssconvert (gnumeric)"}};
 
 /* Starts a program with its output in a pipe; returns errno, 0 = it runs. */
-static int start(const char *const words[], const char *file, pid_t *pid, int *from) {
+static int start(const char *const words[], const char *file, bool quiet, pid_t *pid, int *from) {
     char *argv[8] = {NULL};
     posix_spawn_file_actions_t actions;
     int ends[2];
@@ -47,7 +47,8 @@ static int start(const char *const words[], const char *file, pid_t *pid, int *f
         return errno;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
-    posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1 /* O_WRONLY */, 0);
+    if (quiet)
+        posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1 /* O_WRONLY */, 0);
     posix_spawn_file_actions_addclose(&actions, ends[0]);
     posix_spawn_file_actions_addclose(&actions, ends[1]);
     int error = posix_spawnp(pid, words[0], &actions, NULL, argv, environ);
@@ -59,22 +60,20 @@ static int start(const char *const words[], const char *file, pid_t *pid, int *f
     return error;
 }
 
-/* Output of the program; NULL: it failed or is not installed (*missing). */
-static char *run(const char *const words[], const char *file, size_t *size, bool *missing) {
+char *import_run(const char *const words[], const char *file, bool quiet, size_t *size, int *code) {
     pid_t pid;
     char *text = NULL, output[32];
-    int from = -1, how = 0, error = start(words, file, &pid, &from);
-    *missing = error != 0;
-    if (error)
+    int from = -1, how = 0;
+    *code = IMPORT_MISSING;
+    if (start(words, file, quiet, &pid, &from))
         return NULL;
     snprintf(output, sizeof output, "/dev/fd/%d", from);
     palp_file_read(output, &text, size, NULL);
     close(from);
     while (waitpid(pid, &how, 0) < 0 && errno == EINTR) {
     }
-    bool good = WIFEXITED(how) && WEXITSTATUS(how) == 0;
-    *missing = WIFEXITED(how) && WEXITSTATUS(how) == 127;
-    if (!good) {
+    *code = WIFEXITED(how) ? WEXITSTATUS(how) : -1;
+    if (*code) {
         free(text);
         return NULL;
     }
@@ -89,17 +88,18 @@ int import_sheet_read(import_text *text, size_t *size) {
         return CLI_OK;
     char path[CLI_PATH_MAX]; /* a name that starts with '-' is no option */
     int n = snprintf(path, sizeof path, "%s%s", *text->file == '-' ? "./" : "", text->file);
-    bool missing = true;
-    for (size_t i = 0; n > 0 && (size_t)n < sizeof path && i < HELPERS && missing; i++) {
-        char *other = run(kind->helper[i], path, size, &missing);
+    int missing = IMPORT_MISSING;
+    for (size_t i = 0; n > 0 && (size_t)n < sizeof path && i < HELPERS && missing == IMPORT_MISSING; i++) {
+        char *other = import_run(kind->helper[i], path, true, size, &missing);
         if (other) {
             free(text->text);
             text->text = other;
             return CLI_OK;
         }
     }
-    return missing ? cli_failure(NAME, "%s: to read an %s file, install %s; or export the sheet as CSV",
-                                 text->file, kind->name, kind->install)
-                   : cli_failure(NAME, "%s: the %s file cannot be read; export the sheet as CSV", text->file,
-                                 kind->name);
+    return missing == IMPORT_MISSING
+               ? cli_failure(NAME, "%s: to read an %s file, install %s; or export the sheet as CSV",
+                             text->file, kind->name, kind->install)
+               : cli_failure(NAME, "%s: the %s file cannot be read; export the sheet as CSV", text->file,
+                             kind->name);
 }

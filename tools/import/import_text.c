@@ -225,6 +225,10 @@ int import_text_read(const char *file, import_text *text) {
     memset(text, 0, sizeof *text);
     text->file = file;
     palp_error error;
+    if (import_hdf5_is(file)) {
+        int failed = import_hdf5_read(text);
+        return failed ? failed : index_lines(text, text->text);
+    }
     palp_status status = palp_file_read(file, &text->text, &text->size, &error);
     if (status)
         return cli_status(NAME, status, &error);

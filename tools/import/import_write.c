@@ -6,6 +6,7 @@
 #include <math.h>
 #include <palpate/version.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char NAME[] = "import";
 static const char *const formats[] = {"mach1", "instron", "csv"};
@@ -149,13 +150,27 @@ static palp_status fill(const import_options *o, const import_source *s, palp_ex
     return status;
 }
 
+bool import_out_is_file(const import_options *o) {
+    struct stat entry;
+    const char *end = strrchr(cli_base(o->out), '.');
+    bool kind = end && (strcmp(end, ".csv") == 0 || strcmp(end, ".h5") == 0 || strcmp(end, ".hdf5") == 0);
+    return kind && (stat(o->out, &entry) != 0 || !S_ISDIR(entry.st_mode));
+}
+
+int import_out_path(const import_options *o, const char *name, char path[CLI_PATH_MAX]) {
+    int n = import_out_is_file(o) ? snprintf(path, CLI_PATH_MAX, "%s", o->out)
+                                  : snprintf(path, CLI_PATH_MAX, "%s/%s.csv", o->out, name);
+    return n > 0 && n < CLI_PATH_MAX ? CLI_OK
+                                     : cli_failure(NAME, "%s/%s.csv: the name is too long", o->out, name);
+}
+
 int import_write(const import_options *o, const import_source *s) {
     char path[CLI_PATH_MAX];
     palp_experiment *run = NULL;
     palp_error error = {PALP_OK, ""};
-    int n = snprintf(path, sizeof path, "%s/%s.csv", o->out, s->name);
-    if (n < 0 || (size_t)n >= sizeof path)
-        return cli_failure(NAME, "%s/%s.csv: the name is too long", o->out, s->name);
+    int code = import_out_path(o, s->name, path);
+    if (code)
+        return code;
     palp_status status = palp_experiment_create(s->rows, &run);
     status = status ? status : fill(o, s, run);
     status = status ? status : palp_experiment_write(run, path, &error);

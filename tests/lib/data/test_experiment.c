@@ -115,6 +115,33 @@ static void is_sample(const palp_experiment *experiment) {
     ck_assert_str_eq(text, "over_temperature");
 }
 
+START_TEST(keys_are_json) {
+    static const char *const given[][2] = {
+        {"list", "[1, 2.5, null]"}, {"flag", "true"}, {"whole", "7"}, {"third", "0.33333333333333331"}};
+    palp_experiment *experiment;
+    char *text;
+    double value;
+    ck_assert_int_eq(palp_experiment_create(1, &experiment), PALP_OK);
+    for (size_t i = 0; i < 4; i++) {
+        ck_assert_int_eq(palp_experiment_set_json(experiment, given[i][0], given[i][1]), PALP_OK);
+        ck_assert_str_eq(palp_experiment_key(experiment, i + 1), given[i][0]);
+    }
+    ck_assert_str_eq(palp_experiment_key(experiment, 0), "palpate.experiment");
+    ck_assert_ptr_null(palp_experiment_key(experiment, 5));
+    ck_assert_int_eq(palp_experiment_get_number(experiment, "third", &value), PALP_OK);
+    ck_assert_double_eq(value, 1.0 / 3);
+    for (size_t i = 0; i < 4; i++) {
+        ck_assert_int_eq(palp_experiment_get_json(experiment, given[i][0], &text), PALP_OK);
+        ck_assert_str_eq(text, i == 3 ? "0.3333333333333333" : given[i][1]);
+        free(text);
+    }
+    ck_assert_int_eq(palp_experiment_get_json(experiment, "none", &text), PALP_ERR_INPUT);
+    ck_assert_int_eq(palp_experiment_set_json(experiment, "list", "[1,"), PALP_ERR_INPUT);
+    ck_assert_int_eq(palp_experiment_set_json(experiment, "a key", "1"), PALP_ERR_ARGUMENT);
+    palp_experiment_free(experiment);
+}
+END_TEST
+
 START_TEST(sample_is_read) {
     double value = -1;
     const char *text = NULL;
@@ -416,6 +443,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, bad_file_gives_its_line, 0, sizeof bad / sizeof bad[0]);
     tcase_add_test(tc, missing_file_is_a_file_error);
     tcase_add_test(tc, sample_is_read);
+    tcase_add_test(tc, keys_are_json);
     tcase_add_test(tc, line_ends_marks_and_blanks_do_not_matter);
     tcase_add_test(tc, no_rows_is_an_experiment_too);
     tcase_add_test(tc, truncations_are_read_or_named);
