@@ -124,6 +124,25 @@ class Command(Folder):
         depth = np.array([path.at(t) for t in run['time_s']])
         np.testing.assert_allclose(palpate.Model.load(file).force(run['time_s'], depth), run['force_N'], **SAME)
 
+    def test_parquet(self):
+        try:
+            import pyarrow.parquet
+        except ImportError:
+            self.skipTest('pyarrow is not installed')
+        file, packed, back = map(self.path, ('run.csv', 'run.parquet', 'back.csv'))
+        command('simulate', DATA + '/sedef2008/network_27.json', '--protocol', 'ramp_hold', '--depth-mm', 4, '--out', file)
+        palpate.Experiment.read(file).write_parquet(packed)
+        table = pyarrow.parquet.read_table(packed)
+        for name, values in columns(file).items():
+            np.testing.assert_array_equal(table[name].to_numpy(), values)
+        self.assertEqual(json.loads(table.schema.metadata[b'palpate:specimen.height_mm']), 24)
+        palpate.Experiment.read_parquet(packed).write(back)
+        self.assertEqual(text(back), text(file))
+
+    def test_header(self):
+        run = palpate.Experiment({'time_s': [0, 1], 'depth_mm': [0, 1], 'force_N': [0, 1]}, {'a.b': 0.1, 'c': 'd'})
+        self.assertEqual(run.header, {'palpate.experiment': 1, 'a.b': 0.1, 'c': 'd'})
+
     def test_network(self):
         file = DATA + '/sedef2008/network_27.json'
         command('simulate', file, '--protocol', 'ramp_hold', '--depth-mm', 6, '--hold-s', 5, '--dt-ms', 50, '--out', self.path('run.csv'))

@@ -1,12 +1,13 @@
 """Recordings: experiment CSVs, and what is made ready for a fit."""
 import ctypes
+import json
 from ctypes import POINTER, byref, c_double
 
 import numpy as np
 
 from . import c
 from ._base import Error, own, view
-from ._objects import Handle
+from ._objects import Handle, free
 
 
 class Experiment(Handle):
@@ -67,6 +68,43 @@ class Experiment(Handle):
 
     def set(self, key, value):
         (c.palp_experiment_set_string if isinstance(value, str) else c.palp_experiment_set_number)(self, key, value)
+
+
+    @property
+    def header(self):
+        """All header values by key, in the order of the file; texts, numbers and other JSON."""
+        keys = iter(lambda: c.palp_experiment_key(self, len(found)), None)
+        found = {}
+        for key in keys:
+            found[key] = json.loads(self._json(key))
+        return found
+
+    def _json(self, key):
+        text = ctypes.c_void_p()
+        c.palp_experiment_get_json(self, key, ctypes.cast(byref(text), POINTER(ctypes.c_char_p)))
+        try:
+            return ctypes.string_at(text.value).decode()
+        finally:
+            free(text)
+
+    @classmethod
+    def read_parquet(cls, path):
+        """From a Parquet file: columns of numbers, and the header in the file's metadata. Needs pyarrow."""
+        from pyarrow import parquet
+        table = parquet.read_table(path)
+        experiment = cls({name: table[name].to_numpy() for name in table.column_names})
+        for key, value in (table.schema.metadata or {}).items():
+            if key.startswith(b'palpate:'):
+                c.palp_experiment_set_json(experiment, key[8:].decode(), value.decode())
+        return experiment
+
+    def write_parquet(self, path):
+        """As Parquet; the header becomes metadata of the file, JSON texts by "palpate:" and their key. Needs pyarrow."""
+        import pyarrow
+        from pyarrow import parquet
+        metadata = {'palpate:' + key: self._json(key) for key in self.header}
+        columns = {name: np.array(self[name]) for name in self.columns}
+        parquet.write_table(pyarrow.table(columns, metadata=metadata), path)
 
 
 class Recording(c.palp_recording):
