@@ -58,6 +58,9 @@ HTTP_LIBS   := $(if $(HTTP_CFLAGS),$(shell $(PKG_CONFIG) --libs libmicrohttpd))
 HDF5_PC    := $(firstword $(foreach p,hdf5-serial hdf5,$(shell $(PKG_CONFIG) --exists $(p) 2>/dev/null && echo $(p))))
 HDF5_CFLAGS = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags $(HDF5_PC)))
 HDF5_LIBS   = $(shell $(PKG_CONFIG) --libs $(HDF5_PC))
+# Optional: without it palpate export writes no FMU.
+ZIP_CFLAGS := $(shell $(PKG_CONFIG) --exists minizip 2>/dev/null && echo -DPALPATE_ZIP $$($(PKG_CONFIG) --cflags minizip zlib))
+ZIP_LIBS   := $(if $(ZIP_CFLAGS),$(shell $(PKG_CONFIG) --libs minizip zlib))
 HAS_POKE    := $(shell $(PKG_CONFIG) --exists glfw3 gl stb 2>/dev/null && echo yes)
 POKE_CFLAGS  = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags glfw3 gl stb 2>/dev/null))
 POKE_LIBS    = $(shell $(PKG_CONFIG) --libs glfw3 gl stb 2>/dev/null || echo -lglfw -lGL -lstb)
@@ -94,6 +97,7 @@ LIB_TEST_HELP  := $(filter-out $(LIB_TESTS),$(wildcard tests/lib/*.c))
 TOOL_TEST_HELP := $(filter-out $(TOOL_TESTS) tests/tools/serial_shim.c,$(wildcard tests/tools/*.c))
 CORE_TEST_HELP := $(filter-out $(CORE_TESTS),$(wildcard tests/firmware/*.c))
 BENCH_HELP     := $(filter-out $(BENCHES),$(wildcard bench/*.c))
+FMU_SRC        := $(wildcard tools/export/fmu/*.c)
 HDF5_SRC       := $(wildcard tools/import/hdf5/*.c)
 HEADERS := $(wildcard include/palpate/*.h)
 DOCUMENTS := README.md LICENSE $(wildcard doc/*.md doc/pictures/* doc/schema/*.json doc/schema/page.py) $(EXAMPLES) $(wildcard examples/poke/* examples/cmake/*)
@@ -113,6 +117,8 @@ SIM_SONAME := libpalpate-sim.so.$(SOVERSION)
 SIM_SHARED := $(BUILD)/libpalpate-sim.so.$(VERSION)
 TOOL   := $(BUILD)/palpate
 HDF5   := $(if $(HDF5_PC),$(BUILD)/palpate-hdf5)
+# The library inside of the FMUs that palpate export packs.
+FMU    := $(if $(ZIP_CFLAGS),$(BUILD)/palpate-fmu.so)
 POKE   := $(BUILD)/examples/poke/poke
 TEST_PROGRAMS := $(call prog,$(LIB_TESTS) $(TOOL_TESTS) $(CORE_TESTS))
 ifneq ($(V),1)
@@ -122,15 +128,15 @@ endif
 
 # ---- building ------------------------------------------------------------------------------------
 .PHONY: all static shared programs tests examples poke poke-build FORCE
-all: static shared $(TOOL) $(HDF5) firmware-host ## the static and shared library and the palpate command, under build/
+all: static shared $(TOOL) $(HDF5) $(FMU) firmware-host ## the static and shared library and the palpate command, under build/
 static: $(STATIC) $(SIM_STATIC)
 shared: $(SHARED) $(SIM_SHARED)
-tests: $(TEST_PROGRAMS) $(TOOL) $(HDF5) firmware-host
+tests: $(TEST_PROGRAMS) $(TOOL) $(HDF5) $(FMU) firmware-host
 examples: $(call prog,$(EXAMPLES)) ## build/examples/*: what a simulator author starts from (doc/simulator.md)
-programs: $(STATIC) $(TOOL) $(HDF5) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_POKE),$(POKE))
+programs: $(STATIC) $(TOOL) $(HDF5) $(FMU) $(TEST_PROGRAMS) $(call prog,$(BENCHES) $(EXAMPLES)) $(if $(HAS_POKE),$(POKE))
 
 # Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
-FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS) $(HTTP_CFLAGS)
+FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS) $(HTTP_CFLAGS) $(ZIP_CFLAGS)
 $(BUILD)/flags: FORCE
 	@tools/install-deps --check $(if $(filter 1,$(PETSC)),petsc,build)
 	@mkdir -p $(@D)
@@ -140,7 +146,7 @@ $(BUILD)/flags: FORCE
 $(BUILD)/obj/lib/%.o: EXTRA := -Ilib
 $(BUILD)/obj/lib/ranks/%.o: EXTRA := -Ilib $(PETSC_CFLAGS)
 FIRMWARE_FLAGS := -Ifirmware/core -Ifirmware/board
-$(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS) $(HTTP_CFLAGS)
+$(BUILD)/obj/tools/%.o $(BUILD)/obj/tests/tools/%.o $(BUILD)/obj/tests/firmware/%.o: EXTRA := -Itools $(FIRMWARE_FLAGS) $(SERIAL_CFLAGS) $(HTTP_CFLAGS) $(ZIP_CFLAGS)
 $(BUILD)/obj/tools/import/hdf5/%.o: EXTRA := $(if $(HDF5_PC),$(HDF5_CFLAGS))
 # The pages of palpate panel and of results, as bytes.
 $(BUILD)/obj/tools/panel/panel_page.o: EXTRA += -I$(BUILD)/page/panel
@@ -200,10 +206,13 @@ link = $(Q)mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(own_flags) -o 
 
 $(TOOL): $(call obj,$(TOOL_SRC)) $(CORE) $(STATIC)
 	$(call note,LD   $@)
-	$(call link,$(SERIAL_LIBS) $(HTTP_LIBS))
+	$(call link,$(SERIAL_LIBS) $(HTTP_LIBS) $(ZIP_LIBS))
 $(BUILD)/palpate-hdf5: $(call obj,$(HDF5_SRC)) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(HDF5_LIBS))
+$(BUILD)/palpate-fmu.so: $(call obj,$(FMU_SRC)) $(SIM_STATIC)
+	$(call note,LD   $@)
+	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -s -shared -Wl,--exclude-libs,ALL -Wl,-z,defs -o $@ $^ $(SIM_LIBS)
 # A test is linked with what its folder shares, the main function too, where it has none of its own.
 $(BUILD)/tests/lib.a: $(call obj,$(LIB_TEST_HELP) tests/main_check.c)
 $(BUILD)/tests/tools.a: $(call obj,$(TOOL_TEST_HELP) tests/main_cmocka.c $(filter-out tools/palpate.c,$(TOOL_SRC)))
@@ -213,10 +222,10 @@ $(filter $(BUILD)/tests/lib/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(
 	$(call link,$(CHECK_LIBS))
 $(filter $(BUILD)/tests/tools/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/tools.a $(CORE) $(STATIC)
 	$(call note,LD   $@)
-	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS) $(HTTP_LIBS))
+	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS) $(HTTP_LIBS) $(ZIP_LIBS))
 $(filter $(BUILD)/tests/firmware/%,$(TEST_PROGRAMS)): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/tests/firmware.a $(BUILD)/tests/tools.a $(CORE) $(STATIC)
 	$(call note,LD   $@)
-	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS) $(HTTP_LIBS))
+	$(call link,$(CMOCKA_LIBS) $(SERIAL_LIBS) $(HTTP_LIBS) $(ZIP_LIBS))
 # Lets libserialport, which opens no PTY, open one.
 $(BUILD)/tests/tools/serial_shim.so: tests/tools/serial_shim.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -233,7 +242,7 @@ $(POKE): $(call obj,$(POKE_SRC)) $(STATIC)
 	$(call note,LD   $@)
 	$(call link,$(POKE_LIBS))
 
-ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(HDF5_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c tests/lib/*/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
+ALL_SRC := $(LIB_SRC) $(TOOL_SRC) $(HDF5_SRC) $(FMU_SRC) $(CORE_SRC) $(wildcard tests/*.c tests/lib/*.c tests/lib/*/*.c tests/tools/*.c tests/firmware/*.c bench/*.c) $(EXAMPLES) $(POKE_SRC)
 -include $(patsubst %.o,%.d,$(call obj,$(ALL_SRC)))
 
 -include firmware/firmware.mk
@@ -312,7 +321,7 @@ install: all $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if 
 	install -m 644 $(STATIC) $(SHARED) $(SIM_STATIC) $(SIM_SHARED) '$(D)$(LIBDIR)'
 	install -D -m 644 tools/indenter/70-palpate.rules '$(D)$(UDEVDIR)/70-palpate.rules'
 	install -d '$(D)$(IMAGEDIR)'
-	install -m 755 $(FW)/indenter_host $(HDF5) '$(D)$(IMAGEDIR)'
+	install -m 755 $(FW)/indenter_host $(HDF5) $(FMU) '$(D)$(IMAGEDIR)'
 	for f in $(DOCUMENTS); do install -D -m 644 $$f "$(D)$(DOCDIR)/$$f" || exit 1; done
 	$(if $(FW_IMAGES),install -m 644 $(FW_IMAGES) '$(D)$(IMAGEDIR)')
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
@@ -340,14 +349,14 @@ uninstall: ## removes what install put there
 	    pkgconfig/palpate-sim.pc cmake/palpate/palpate-config.cmake cmake/palpate/palpate-config-version.cmake,'$(D)$(LIBDIR)/$(f)')
 	rm -f $(foreach f,$(notdir $(MAN_SRC:.scd=)),'$(D)$(MANDIR)/man$(lastword $(subst ., ,$(f)))/$(f)')
 	rm -f $(foreach f,$(HEADERS),'$(D)$(INCLUDEDIR)/$(f:include/%=%)')
-	rm -f '$(D)$(UDEVDIR)/70-palpate.rules' $(foreach f,indenter_host palpate-hdf5 $(FW_IMAGE_NAMES),'$(D)$(IMAGEDIR)/$(f)')
+	rm -f '$(D)$(UDEVDIR)/70-palpate.rules' $(foreach f,indenter_host palpate-hdf5 palpate-fmu.so $(FW_IMAGE_NAMES),'$(D)$(IMAGEDIR)/$(f)')
 	rm -f $(foreach f,$(DOCUMENTS),'$(D)$(DOCDIR)/$(f)')
 	-rmdir '$(D)$(LIBDIR)/cmake/palpate' '$(D)$(INCLUDEDIR)/palpate' '$(D)$(IMAGEDIR)' $(foreach f,/doc/pictures /doc/schema /doc /examples/poke /examples/cmake /examples /,'$(D)$(DOCDIR)$(f)')
 
 # ---- the rest ------------------------------------------------------------------------------------
 .PHONY: dist symbols libs clean help
 libs: # what a program of the command's parts is linked with
-	@echo "$(LIBS) $(SERIAL_LIBS) $(HTTP_LIBS)"
+	@echo "$(LIBS) $(SERIAL_LIBS) $(HTTP_LIBS) $(ZIP_LIBS)"
 DISTDIR ?= .
 dist: ## palpate-VERSION.tar.gz of the last commit
 	git archive --format=tar.gz --prefix=palpate-$(VERSION)/ -o '$(DISTDIR)/palpate-$(VERSION).tar.gz' HEAD

@@ -1,6 +1,7 @@
 /* cmd_export.c: palpate export: a model for another program. */
 #include "calculix.h"
 #include "export.h"
+#include "export_fmu.h"
 #include "shared/cli.h"
 #include "shared/commands.h"
 #include "shared/opening.h"
@@ -8,6 +9,8 @@
 #include <math.h>
 #include <palpate/model.h>
 #include <string.h>
+
+enum { EXPORT_FMU = 8 }; /* after the springs and the solids */
 
 static int check_solid(const export_options *o) {
     if (o->depth_mm.n + o->strain.n > 1)
@@ -19,8 +22,9 @@ static int check_solid(const export_options *o) {
 
 static int parse(int argc, char **argv, export_options *o, const char **model) {
     const cli_option options[] = {
-        cli_choice("to", "calculix-springs|calculix|abaqus|febio|sofa|mujoco|newton|vega", &o->to,
-                   "the other program; all but the first get a solid (default calculix-springs)"),
+        cli_choice("to", "calculix-springs|calculix|abaqus|febio|sofa|mujoco|newton|vega|fmu", &o->to,
+                   "the other program. The first gets springs (default); fmu is any model as it is,\n"
+                   "FMI 3.0 for co-simulation; all others get a solid"),
         cli_heading("Presses"),
         cli_numbers("depth-mm", "LIST", 1e4, &o->depth_mm,
                     "springs: depths, mm; one static step each. Solid: one depth, of the fit to\n"
@@ -64,13 +68,22 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
         "CalculiX, with a static step to each depth.",
         "  palpate export network.json --to febio --runs run1.csv,run2.csv --out tissue.feb\n"
         "  palpate export network.json --strain 0.1,0.2,0.3,0.4 --out network.inp\n"
-        "  ccx -i network && cat network.dat\n",
+        "  ccx -i network && cat network.dat\n"
+        "  palpate export network.json --to fmu --out network.fmu\n",
         options,
         sizeof options / sizeof options[0]};
     size_t n = 0;
     int code = cli_parse(&command, argc, argv, model, 1, &n);
     if (code == CLI_OK && n == 0)
         return cli_usage_error("export", "name a MODEL.json; see palpate export --help");
+    if (code == CLI_OK && o->to == EXPORT_FMU)
+        return o->depth_mm.n + o->strain.n == 0 && !o->runs && !o->json
+                   ? CLI_OK
+                   : cli_usage_error("export", "an FMU takes its depths from the importer; leave out --%s",
+                                     o->runs         ? "runs"
+                                     : o->json       ? "json"
+                                     : o->depth_mm.n ? "depth-mm"
+                                                     : "strain");
     if (code == CLI_OK && o->to > 0)
         return check_solid(o);
     if (code == CLI_OK && (o->runs || o->json))
@@ -150,6 +163,8 @@ int cmd_export(int argc, char **argv) {
     int code = parse(argc, argv, &o, &path);
     if (code)
         return code == CLI_HELP ? CLI_OK : code;
+    if (o.to == EXPORT_FMU)
+        return export_fmu(path, o.out);
     if (o.to > 0)
         return export_solid(&o, path);
     code = open_model_of("export", path, PALP_MODEL_NETWORK,

@@ -1,12 +1,11 @@
 /* import_hdf5.c: HDF5 files, by the program palpate-hdf5: their tables as text, and experiments of palpate.
  */
-#define _POSIX_C_SOURCE 200809L
 #include "import.h"
+#include "shared/beside.h"
 #include "shared/crc32.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char NAME[] = "import";
 
@@ -28,26 +27,11 @@ bool import_hdf5_is(const char *file) {
     return found;
 }
 
-/* Beside the command, as it is built, or in ../lib/palpate/, as it is installed. */
-static bool find_program(char path[CLI_PATH_MAX]) {
-    static const char *const places[] = {"", "../lib/palpate/"};
-    char folder[CLI_PATH_MAX - 64];
-    ssize_t n = readlink("/proc/self/exe", folder, sizeof folder - 1);
-    folder[n > 0 ? n : 0] = '\0';
-    for (size_t i = 0; n > 0 && i < sizeof places / sizeof *places; i++) {
-        snprintf(path, CLI_PATH_MAX, "%.*s%spalpate-hdf5", (int)(cli_base(folder) - folder), folder,
-                 places[i]);
-        if (access(path, X_OK) == 0)
-            return true;
-    }
-    return false;
-}
-
 /* Runs palpate-hdf5, which says itself what is wrong with a file. OTHER is passed on. */
 static int run(const char *how, const char *file, const char *out, char **text, size_t *size) {
     char program[CLI_PATH_MAX];
     int code;
-    if (!find_program(program))
+    if (!beside_command("palpate-hdf5", program))
         return cli_failure(NAME,
                            "%s: this palpate was built without HDF5; install libhdf5-dev and build it again",
                            out && import_hdf5_is(file) ? file
