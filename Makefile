@@ -138,7 +138,7 @@ programs: $(STATIC) $(TOOL) $(HDF5) $(FMU) $(TEST_PROGRAMS) $(call prog,$(BENCHE
 # Rewritten when compiler, flags or libraries change, so that everything is rebuilt then.
 FLAGS_LINE := $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(LIBS) $(HTTP_CFLAGS) $(ZIP_CFLAGS)
 $(BUILD)/flags: FORCE
-	@tools/install-deps --check $(if $(filter 1,$(PETSC)),petsc,build)
+	@tools/install-deps --check $(if $(filter 1,$(PETSC)),petsc,$(if $(filter install-lib static shared,$(MAKECMDGOALS)),library,build))
 	@mkdir -p $(@D)
 	@echo '$(FLAGS_LINE)' | cmp -s - $@ || echo '$(FLAGS_LINE)' >$@
 
@@ -299,7 +299,7 @@ worlds: $(TOOL) ## laboratories that are not ours, from recordings to the missin
 	@PALPATE=$(TOOL) CC='$(CC)' tests/hidden/worlds/run.sh --seed $(SEED) --set all --oracle --out $(BUILD)/worlds
 
 # ---- installing ----------------------------------------------------------------------------------
-.PHONY: install uninstall man
+.PHONY: install install-lib uninstall man
 D = $(DESTDIR)
 MAN_PAGES := $(patsubst doc/%.scd,$(BUILD)/man/%,$(MAN_SRC))
 # A command's page takes its options and example from the command's own --help.
@@ -312,18 +312,23 @@ $(BUILD)/man/%: doc/%.scd
 	$(Q)scdoc <$< >$@
 man: $(MAN_PAGES) ## the manual pages (needs scdoc)
 
-install: all $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if given
-	install -d '$(D)$(BINDIR)' '$(D)$(LIBDIR)/pkgconfig' '$(D)$(LIBDIR)/cmake/palpate' '$(D)$(INCLUDEDIR)/palpate'
+install: all install-lib $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if given
+	install -d '$(D)$(BINDIR)' '$(D)$(IMAGEDIR)'
 	install -m 755 $(TOOL) '$(D)$(BINDIR)'
 	install -D -m 644 tools/completion/palpate.bash '$(D)$(BASHDIR)/palpate'
 	install -D -m 644 tools/completion/_palpate '$(D)$(ZSHDIR)/_palpate'
-	install -m 644 $(HEADERS) '$(D)$(INCLUDEDIR)/palpate'
-	install -m 644 $(STATIC) $(SHARED) $(SIM_STATIC) $(SIM_SHARED) '$(D)$(LIBDIR)'
 	install -D -m 644 tools/indenter/70-palpate.rules '$(D)$(UDEVDIR)/70-palpate.rules'
-	install -d '$(D)$(IMAGEDIR)'
 	install -m 755 $(FW)/indenter_host $(HDF5) $(FMU) '$(D)$(IMAGEDIR)'
 	for f in $(DOCUMENTS); do install -D -m 644 $$f "$(D)$(DOCDIR)/$$f" || exit 1; done
 	$(if $(FW_IMAGES),install -m 644 $(FW_IMAGES) '$(D)$(IMAGEDIR)')
+	+@if command -v scdoc >/dev/null; then $(MAKE) -s --no-print-directory man && for p in $(MAN_PAGES); do \
+	    install -D -m 644 $$p "$(D)$(MANDIR)/man$${p##*.}/$${p##*/}" || exit 1; done; \
+	  else echo "scdoc is not installed: no manual pages"; fi
+	@if [ -z '$(D)' ]; then ldconfig 2>/dev/null || echo "run ldconfig as root if $(LIBDIR) is a system folder"; fi
+install-lib: static shared # the libraries alone, which need neither libserialport nor what else the command calls
+	install -d '$(D)$(LIBDIR)/pkgconfig' '$(D)$(LIBDIR)/cmake/palpate' '$(D)$(INCLUDEDIR)/palpate'
+	install -m 644 $(HEADERS) '$(D)$(INCLUDEDIR)/palpate'
+	install -m 644 $(STATIC) $(SHARED) $(SIM_STATIC) $(SIM_SHARED) '$(D)$(LIBDIR)'
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/$(SONAME)'
 	ln -sf $(notdir $(SHARED)) '$(D)$(LIBDIR)/libpalpate.so'
 	ln -sf $(notdir $(SIM_SHARED)) '$(D)$(LIBDIR)/$(SIM_SONAME)'
@@ -338,10 +343,6 @@ install: all $(FW_IMAGES) ## into PREFIX (default /usr/local), under DESTDIR if 
 	    -e 's|@INCLUDEDIR@|$(INCLUDEDIR:$(PREFIX)/%=%)|' -e 's|@LIBS@|$(strip $(LIBS))|' -e 's|@SIM_LIBS@|$(strip $(SIM_LIBS))|' \
 	    lib/palpate-config.cmake.in >'$(D)$(LIBDIR)/cmake/palpate/palpate-config.cmake'
 	@sed 's|@VERSION@|$(VERSION)|' lib/palpate-config-version.cmake.in >'$(D)$(LIBDIR)/cmake/palpate/palpate-config-version.cmake'
-	+@if command -v scdoc >/dev/null; then $(MAKE) -s --no-print-directory man && for p in $(MAN_PAGES); do \
-	    install -D -m 644 $$p "$(D)$(MANDIR)/man$${p##*.}/$${p##*/}" || exit 1; done; \
-	  else echo "scdoc is not installed: no manual pages"; fi
-	@if [ -z '$(D)' ]; then ldconfig 2>/dev/null || echo "run ldconfig as root if $(LIBDIR) is a system folder"; fi
 
 uninstall: ## removes what install put there
 	rm -f '$(D)$(BASHDIR)/palpate' '$(D)$(ZSHDIR)/_palpate' '$(D)$(BINDIR)/palpate' '$(D)$(LIBDIR)/pkgconfig/palpate.pc'
