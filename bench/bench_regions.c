@@ -12,10 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NODES = 11, TICKS = 1500, KINDS = 5, REGIONS = 3 };
-static const char *const NAMES[KINDS] = {"none", "three, stiffer by a factor",
-                                         "three, materials of their own", "three by a factor, self contact",
-                                         "three of their own, self contact"};
+enum { NODES = 11, TICKS = 1500, KINDS = 6, REGIONS = 3 };
+static const char *const NAMES[KINDS] = {"none",
+                                         "three, stiffer by a factor",
+                                         "three, materials of their own",
+                                         "three by a factor, self contact",
+                                         "three of their own, self contact",
+                                         "three by a factor, with fibres"};
 static const double HEIGHT = 0.024, DT = 1e-3;
 
 static palp_material tissue(double factor) {
@@ -40,6 +43,8 @@ static void choose_regions(int kind, palp_region region[REGIONS]) {
         region[r].radius_m = 0.2 * HEIGHT;
         region[r].stiffness = kind % 2 == 1 ? 2.0 + r : 0.0;
         region[r].own_material = tissue(2.0 + r);
+        region[r].fibre[r] = 1.0;
+        region[r].fibre_Pa = kind == 5 ? 4e4 : 0.0;
     }
 }
 
@@ -53,7 +58,7 @@ static palp_realtime *make(int kind) {
     palp_mesh *mesh = NULL;
     palp_network *net = NULL;
     palp_realtime *rt = NULL;
-    touch.tissue = kind > 2;
+    touch.tissue = kind == 3 || kind == 4;
     choose_regions(kind, region);
     bench_check(palp_mesh_lattice((size_t[]){NODES, NODES, NODES}, (double[]){HEIGHT, HEIGHT, HEIGHT},
                                   PALP_NEIGHBOURS_26, &mesh),

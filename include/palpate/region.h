@@ -21,7 +21,10 @@ typedef enum palp_region_shape {
 
 /* A region of a network or of a network model; a plain value. Where regions overlap, the later one counts. A
  * membrane is added to the tissue below: K of own_material is that of a strip 1 m wide, its modulus times its
- * thickness, and its Poisson's ratio 1/3. */
+ * thickness, and its Poisson's ratio 1/3. Fibres
+ * add to the region's material and work in tension and compression alike: I4 is the square of the stretch
+ * along them (the standard reinforcing model). They need a mesh as Poisson's ratio does; arms do not change
+ * them. */
 typedef struct palp_region {
     char name[PALP_REGION_NAME_MAX];
     palp_region_shape shape;
@@ -31,6 +34,8 @@ typedef struct palp_region {
     palp_material own_material;     /* PALP_HISTORY only; scaled by the mesh as the network's material is */
     char set[PALP_REGION_NAME_MAX]; /* of a membrane: triangles with all nodes in this set; "" = all */
     double poisson_ratio;           /* as in palp_network_settings; 0 = that of the network */
+    double fibre[3];                /* direction of fibres at rest, of any length */
+    double fibre_Pa; /* their modulus E, 0 = none: energy E / 8 (I4 - 1)^2 per volume at rest */
 } palp_region;
 
 /* Adds a region by its shape; PALP_REGION_OF_MESH, and the set of a membrane, must be there already. Errors

@@ -23,6 +23,8 @@ static bool grow(double **array, size_t n) {
 
 static palp_status reserve(force_curve *c, const palp_network *net, size_t n) {
     c->n_parameters = net->material.law.n;
+    if (network_has_fibres(net))
+        return PALP_ERR_UNSUPPORTED; /* nor do those of fibres follow it */
     for (size_t r = 0; r < net->n_regions && network_has_volume(net); r++)
         if (net->region[r].share && net->region[r].given.shape != PALP_REGION_MEMBRANE)
             return PALP_ERR_UNSUPPORTED; /* part of the volume's forces does not follow the law */

@@ -273,7 +273,7 @@ static bool target_sound(const palp_target *target) {
 /* The sensitivities leave out mass; a quasi-linear arm has no beta (palp_material_check). */
 static palp_status check(const relaxation *s) {
     const palp_relaxation_settings *settings = s->settings;
-    if (s->start->formulation != PALP_HISTORY || s->net->mass ||
+    if (s->start->formulation != PALP_HISTORY || s->net->mass || network_has_fibres(s->net) ||
         (settings->fit_beta && s->start->quasi_linear))
         return PALP_ERR_UNSUPPORTED;
     if (s->start->n_arms == 0 || s->n_targets == 0 || settings->max_evaluations < 1 ||

@@ -6,6 +6,12 @@
 
 #define COUNT(list) (sizeof(list) / sizeof(list)[0])
 
+/* Its square must be a number too. */
+static bool has_direction(const double v[3]) {
+    const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    return square > 0.0 && isfinite(square);
+}
+
 static palp_status read_place(const palp_json *at, const char *key, double place_m[3]) {
     palp_json list;
     double place_mm[3];
@@ -98,8 +104,28 @@ static palp_status read_region_material(const palp_json *at, const palp_model *m
     return status;
 }
 
+static palp_status read_fibre(const palp_json *at, palp_region *region) {
+    static const char *const keys[] = {"direction", "stiffness_Pa"};
+    palp_json list, modulus;
+    size_t n = 0;
+    palp_status status = palp_json_keys(at, COUNT(keys), keys);
+    if (!status)
+        status = palp_json_require(at, "direction", &list);
+    if (!status)
+        status = palp_json_numbers(&list, 3, &n, region->fibre);
+    if (!status && (n != 3 || !has_direction(region->fibre)))
+        status = palp_json_fail(&list, PALP_ERR_INPUT, "must be three numbers that are not all 0");
+    if (!status)
+        status = palp_json_require(at, "stiffness_Pa", &modulus);
+    if (!status)
+        status = palp_json_positive(&modulus, &region->fibre_Pa);
+    if (!status && region->shape == PALP_REGION_MEMBRANE)
+        status = palp_json_fail(at, PALP_ERR_INPUT, "does not go with a membrane");
+    return status;
+}
+
 static palp_status read_region_stiffness(const palp_json *at, const palp_model *model, palp_region *region) {
-    palp_json factor, material, ratio;
+    palp_json factor, material, ratio, fibre;
     const bool has_factor = palp_json_member(at, "stiffness_factor", &factor),
                has_material = palp_json_member(at, "material", &material);
     palp_status status = PALP_OK;
@@ -113,12 +139,14 @@ static palp_status read_region_stiffness(const palp_json *at, const palp_model *
                         : read_region_material(&material, model, region);
     if (!status && palp_json_member(at, "poisson_ratio", &ratio))
         status = palp_model_ratio_read(&ratio, model->volume_modulus_Pa, &region->poisson_ratio);
+    if (!status && palp_json_member(at, "fibre", &fibre))
+        status = read_fibre(&fibre, region);
     return status;
 }
 
 static palp_status read_region(const palp_json *at, const palp_model *model, palp_region *region) {
-    static const char *const keys[] = {"name",     "box",          "sphere", "membrane", "stiffness_factor",
-                                       "material", "poisson_ratio"};
+    static const char *const keys[] = {"name",     "box",           "sphere", "membrane", "stiffness_factor",
+                                       "material", "poisson_ratio", "fibre"};
     palp_json name;
     const char *text = "";
     memset(region, 0, sizeof *region);
@@ -178,7 +206,9 @@ static bool is_region_valid(const palp_model *model, const palp_region *r) {
                                     palp_model_lowest(&r->own_material.law) > 0 &&
                                     r->own_material.formulation == PALP_HISTORY &&
                                     model->material.formulation == PALP_HISTORY;
-    return named && shape && ratio && material;
+    const bool fibre = r->fibre_Pa == 0 || (r->fibre_Pa > 0 && isfinite(r->fibre_Pa) &&
+                                            has_direction(r->fibre) && r->shape != PALP_REGION_MEMBRANE);
+    return named && shape && ratio && material && fibre;
 }
 
 bool palp_model_regions_valid(const palp_model *model) {

@@ -347,6 +347,12 @@ static palp_status print_one_region(const writer *w, const palp_region *region) 
     }
     if (region->poisson_ratio > 0)
         print_json_number(w, ", \"poisson_ratio\": ", region->poisson_ratio);
+    if (region->fibre_Pa > 0) {
+        for (size_t k = 0; k < 3; k++)
+            print_json_number(w, k ? ", " : ", \"fibre\": {\"direction\": [", region->fibre[k]);
+        print_json_number(w, "], \"stiffness_Pa\": ", region->fibre_Pa);
+        fputc('}', w->stream);
+    }
     fputc('}', w->stream);
     return status;
 }

@@ -198,11 +198,13 @@ static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *m
         volume = volume || net->region[r].given.poisson_ratio > 0.0;
     if (!status && volume)
         status = network_add_volume(net);
+    if (!status)
+        status = network_add_fibres(net);
     if (status == PALP_ERR_UNSUPPORTED)
-        return palp_error_set(
-            error, status,
-            "a volume modulus or Poisson's ratio needs a mesh of tetrahedra or hexahedra with an element "
-            "between any two corners of one (a lattice of 26 neighbours, --hex-diagonals)");
+        return palp_error_set(error, status,
+                              "a volume modulus, Poisson's ratio or fibres need a mesh of tetrahedra or "
+                              "hexahedra with an element "
+                              "between any two corners of one (a lattice of 26 neighbours, --hex-diagonals)");
     return status;
 }
 

@@ -370,4 +370,12 @@ const double *network_foundation(const palp_network *net);
 palp_status network_add_volume(palp_network *net);
 bool network_has_volume(const palp_network *net);
 
+/* Is there an element between any two corners of a solid, and is none of them cut? */
+bool network_is_solid_joined(const palp_network *net, size_t corners, const int32_t *node);
+bool network_is_solid_whole(const palp_network *net, size_t corners, const int32_t *node);
+
+/* Fibres of the regions that have some (network_fibre.c). ERR_UNSUPPORTED as network_add_volume. */
+palp_status network_add_fibres(palp_network *net);
+bool network_has_fibres(const palp_network *net);
+
 #endif

@@ -65,6 +65,12 @@ static palp_status check_region(const palp_network *net, const palp_region *r, p
             "region \"%s\": Poisson's ratio must be from 0.25 to below 0.5, without a volume "
             "modulus",
             r->name);
+    const double along = network_dot(r->fibre, r->fibre, 3);
+    if (!(r->fibre_Pa >= 0.0) || !isfinite(r->fibre_Pa) ||
+        (r->fibre_Pa > 0.0 && (!(along > 0.0) || !isfinite(along) || r->shape == PALP_REGION_MEMBRANE)))
+        return palp_error_set(
+            error, PALP_ERR_ARGUMENT,
+            "region \"%s\": fibres need a direction, a modulus above 0 and a region of volume", r->name);
     if (r->stiffness > 0.0)
         return PALP_OK;
     if (net->material.formulation != PALP_HISTORY || r->own_material.formulation != PALP_HISTORY)

@@ -146,6 +146,14 @@ INLINE void subtract_on_corners(size_t corners, const int32_t *node, const lanes
 
 /* ---- the term ------------------------------------------------------------------------------------ */
 
+bool network_is_solid_whole(const palp_network *net, size_t corners, const int32_t *node) {
+    for (size_t a = 0; a < corners && net->scale; a++)
+        for (size_t b = 0; b < a; b++)
+            if (!(net->scale[palp_mesh_element_between(net->mesh, node[a], node[b])] > 0.0))
+                return false;
+    return true;
+}
+
 /* Solids without a cut element, in the mesh's order; the last batch is filled up with one of them. */
 static void find_whole_solids(volume *t, const palp_network *net) {
     const size_t corners = t->corners;
@@ -153,11 +161,7 @@ static void find_whole_solids(volume *t, const palp_network *net) {
     t->squares = 0.0;
     for (size_t i = 0; i < t->n_all; i++) {
         const int32_t *node = t->all + corners * i;
-        bool whole = true;
-        for (size_t a = 0; a < corners && net->scale; a++)
-            for (size_t b = 0; b < a; b++)
-                whole = whole && net->scale[palp_mesh_element_between(net->mesh, node[a], node[b])] > 0.0;
-        if (!whole)
+        if (!network_is_solid_whole(net, corners, node))
             continue;
         memcpy(t->node + corners * t->n, node, corners * sizeof *node);
         const double *place = net->rest + 3 * (size_t)node[0];
@@ -377,7 +381,7 @@ double palp_network_volume_solids(const palp_network *net, size_t *n, size_t *co
 
 /* ---- making it ----------------------------------------------------------------------------------- */
 
-static bool are_all_corners_joined(const palp_network *net, size_t corners, const int32_t *node) {
+bool network_is_solid_joined(const palp_network *net, size_t corners, const int32_t *node) {
     for (size_t a = 0; a < corners; a++)
         for (size_t b = 0; b < a; b++)
             if (palp_mesh_element_between(net->mesh, node[a], node[b]) >= net->n_elements)
@@ -430,7 +434,7 @@ static palp_status list_solids(volume *t, const palp_network *net) {
                 node[c] = given[cells ? gmsh_corner[turned ? c ^ 1 : c] : c];
             t->all_rest[i] = solid_volume(t, node, net->rest);
         }
-        if (!(t->all_rest[i] > 0.0) || !are_all_corners_joined(net, t->corners, node))
+        if (!(t->all_rest[i] > 0.0) || !network_is_solid_joined(net, t->corners, node))
             return PALP_ERR_UNSUPPORTED;
     }
     return PALP_OK;

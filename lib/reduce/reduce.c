@@ -261,10 +261,10 @@ static palp_status check_creation_arguments(const palp_network *net, size_t n_pa
         return palp_error_set(error, PALP_ERR_ARGUMENT,
                               "a setting is out of range, or a path belongs to another network");
     bool vectors = net->material.formulation == PALP_SEDEF2008 && net->material.n_arms > 0;
-    if (net->mass || net->damage || network_foundation(net) || network_has_volume(net) || vectors ||
-        net->base_share)
+    if (net->mass || net->damage || network_foundation(net) || network_has_volume(net) ||
+        network_has_fibres(net) || vectors || net->base_share)
         return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                              "a network with mass, damage, a volume modulus or Poisson's ratio, the "
+                              "a network with mass, damage, a volume modulus, Poisson's ratio or fibres, the "
                               "formulation sedef2008, or a "
                               "region with a material of its own cannot be reduced");
     const contact_set *contacts = contact_of(net);

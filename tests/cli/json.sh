@@ -112,13 +112,13 @@ arm='"arms": [{"stiffness_N": 1, "viscosity_Ns": 1, "stiffness_per_strain": 0, "
 cat >regions.json <<J
 {"palpate": {"model": 2}, "kind": "network", "specimen": {"height_mm": 24, "radius_mm": 12}, "stiffness": {"kind": "polynomial", "coefficients_N": [6]}, "arms": [],
  "mesh": {"kind": "lattice", "nodes": [4, 4, 4], "size_mm": [24, 24, 24], "scaling": "continuum"}, "poisson_ratio": 0.4, "regions": [
- {"name": "nodule", "sphere": {"centre_mm": [12, 14, 12], "radius_mm": 6}, "stiffness_factor": 4, "poisson_ratio": 0.45},
+ {"name": "nodule", "sphere": {"centre_mm": [12, 14, 12], "radius_mm": 6}, "stiffness_factor": 4, "poisson_ratio": 0.45, "fibre": {"direction": [1, 0, 2], "stiffness_Pa": 5000}},
  {"name": "a", "box": {"low_mm": [0, 0, 0], "high_mm": [4, 4, 4]}, "material": {"stiffness": {"kind": "polynomial", "coefficients_N": [9], "strain_max": 0.4}, $arm}},
  {"name": "b", "box": {"low_mm": [4, 0, 0], "high_mm": [8, 4, 4]}, "material": {"stiffness": {"kind": "neo_hookean", "coefficients_Pa": [3000]}}},
  {"name": "c", "box": {"low_mm": [8, 0, 0], "high_mm": [12, 4, 4]}, "material": {"stiffness": {"kind": "spline", "strain": [0, 0.4], "stiffness_N": [5, 6]}}},
  {"name": "d", "membrane": {"set": "top"}, "material": {"stiffness": {"kind": "polynomial", "coefficients_N": [100]}}}]}
 J
-sed '/"name": "[abcd]"/d; s/"poisson_ratio": 0.45},/"poisson_ratio": 0.45}]}/' regions.json >nodule.json
+sed '/"name": "[abcd]"/d; s/"poisson_ratio": 0.45, "fibre.*/"poisson_ratio": 0.45}]}/' regions.json >nodule.json
 expect 0 simulate regions.json --protocol static --depth-mm 1
 expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 2 --sample-Hz 2 --tip sphere --tip-radius-mm 6 --tip-x-mm 12 --tip-z-mm 11 --out tip_at.csv
 expect 0 simulate nodule.json --protocol static --relaxed --depth-mm 2 --sample-Hz 2 --out tip_no.csv

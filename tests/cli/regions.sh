@@ -34,6 +34,34 @@ awk -v p="$plain" -v s="$(press capsule)" 'BEGIN { exit !(s > 1.1 * p) }' || fai
 sed 's/"model": 2/"model": 1/' plain.json >old.json
 near "a file of version 1" "$(press old)" "$plain" 1e-12
 
+# ---- fibres: stiffer along them than across; kept by a command that writes the model; refused by name where they do not work ----
+fibre() { model "{\"name\": \"muscle\", \"box\": {\"low_mm\": [0, 0, 0], \"high_mm\": [24, 24, 24]}, \"stiffness_factor\": 1, \"fibre\": {\"direction\": $1, \"stiffness_Pa\": $2}}"; }
+fibre '[0, 2, 0]' 20000 >along.json
+fibre '[1, 0, 0]' 20000 >across.json
+awk -v p="$plain" -v a="$(press along)" -v c="$(press across)" 'BEGIN { exit !(a > 1.5 * p && c > p && c < 0.7 * a) }' ||
+    fail "fibres: along $(last along.csv), across $(last across.csv), none $plain"
+for i in 1 2 3 4 5 6 7 8 9; do
+    x=$((4 + 8 * (i % 3))) z=$((4 + 8 * (i / 4)))
+    expect 0 simulate along.json --protocol static --relaxed --depth-mm 2 --tip sphere --tip-radius-mm 4 --tip-x-mm $x --tip-z-mm $z --out map_$i.csv
+done
+expect 0 inclusion along.json map_*.csv --subdivisions 0 --out kept.json
+grep -q '"fibre": {"direction": \[0, 2, 0\], "stiffness_Pa": 20000}' kept.json || fail "fibres: $(grep fibre kept.json)"
+expect 1 calibrate "$DATA/lumped_n1.json" --start along.json --stage static --out none.json
+says 'along.json: region "muscle" has fibres'
+expect 1 export along.json --depth-mm 1 --out deck.inp
+says 'fibre'
+expect 1 reduce along.json map_1.csv map_2.csv --out small.json
+says 'fibres'
+fibre '[0, 0, 0]' 20000 >wrong.json
+expect 1 simulate wrong.json --protocol static --depth-mm 1
+says 'must be three numbers that are not all 0'
+fibre '[0, 1, 0]' -1 >wrong.json
+expect 1 simulate wrong.json --protocol static --depth-mm 1
+says 'stiffness_Pa'
+model "{\"name\": \"capsule\", \"membrane\": {}, \"material\": {\"stiffness\": {\"kind\": \"polynomial\", \"coefficients_N\": [60]}}, \"fibre\": {\"direction\": [1, 0, 0], \"stiffness_Pa\": 1}}" >wrong.json
+expect 1 simulate wrong.json --protocol static --depth-mm 1
+says 'does not go with a membrane'
+
 # ---- what is drawn ----
 expect 0 simulate both.json --protocol static --depth-mm 1 --vtu frames --out drawn.csv
 grep -q 'Name="stiffness_N"' frames/*.vtu || fail "no stiffness of the elements in a frame"

@@ -119,6 +119,10 @@ static bool is_of_tetrahedra(const calibrate_state *s) {
 
 /* The regions that --fit-region names. */
 static int choose_regions(const calibrate_options *o, calibrate_state *s) {
+    for (size_t r = 0; r < s->source.n_regions; r++)
+        if (s->source.regions[r].fibre_Pa > 0)
+            return cli_failure(NAME, "%s: region \"%s\" has fibres, which calibrate does not take yet",
+                               o->start, s->source.regions[r].name);
     for (const char *name = o->regions; name; name = strchr(name, ',') ? strchr(name, ',') + 1 : NULL) {
         const size_t length = strcspn(name, ",");
         size_t r = 0;

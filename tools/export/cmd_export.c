@@ -174,11 +174,12 @@ int cmd_export(int argc, char **argv) {
         return code;
     for (size_t r = 0; r < source.n_regions; r++)
         if (source.regions[r].stiffness == 0 || source.regions[r].poisson_ratio > 0 ||
-            model.poisson_ratio > 0 || model.volume_modulus_Pa > 0)
-            return cli_failure("export",
-                               "%s: its regions have materials of their own or a Poisson's ratio; only their "
-                               "stiffness_factor can be exported",
-                               path);
+            source.regions[r].fibre_Pa > 0 || model.poisson_ratio > 0 || model.volume_modulus_Pa > 0)
+            return cli_failure(
+                "export",
+                "%s: its regions have materials of their own, fibres or a Poisson's ratio; only their "
+                "stiffness_factor can be exported",
+                path);
     palp_network *network = NULL;
     palp_status status = palp_model_mesh(&model, &mesh, &error);
     model.n_effects = 0; /* the deck is of the plain network */
