@@ -290,17 +290,21 @@ typedef struct palp_explain_choice {
     size_t n_laws;                /* laws that compete with the spline of 31 knots */
     const palp_law *law; /* [n_laws] the caller's: kind, size, knots and area; coefficients: first guess */
     bool no_spline;      /* the spline does not compete: one of the laws is taken */
+    size_t per_decade;   /* 0, or so many arms a decade at fixed times, from four samples to three times the
+                            longest run, of which those stay that the runs show. The numbers of arms
+                            above do not count */
+    bool dwell_only;     /* of runs with a dwell, its samples alone are fitted */
 } palp_explain_choice;
 
-/* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy. Arms are added as
- * long as one more gains what settings->false_alarm wants. They are driven by the strain or by the elastic
- * force (quasi-linear). The law is that of the largest evidence. specimen: height and radius, to which all
- * runs are scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's
- * to free: of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0.
- * Specimens are numbered as they come first among the inputs (specimen.name); with one, fit has the mean
- * alone. n_spread is 1 if they differ: all stiffnesses of one by a factor, all times, and the law alone.
- * settings: false_alarm, contact, loop, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline without a
- * law; errors of palp_explain. */
+/* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy. Each of its arms
+ * gains what settings->false_alarm wants. They are driven by the strain or by the elastic force
+ * (quasi-linear). The law is that of the largest evidence. specimen: height and radius, to which all runs are
+ * scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's to free:
+ * of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0. Specimens are
+ * numbered as they come first among the inputs (specimen.name); with one, fit has the mean alone. n_spread is
+ * 1 if they differ: all stiffnesses of one by a factor, all times, and the law alone. settings: false_alarm,
+ * contact, loop, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline without a law; ERR_LIMIT: more
+ * than PALP_ARMS_MAX at fixed times; errors of palp_explain. */
 PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
                                            const palp_explain_input *inputs,
                                            const palp_explain_settings *settings,

@@ -74,6 +74,7 @@ typedef struct explain_data {
     bool contacts_alike;     /* no run has a contact of its own */
     bool contacts_average_0; /* exactly, over the runs that are fitted */
     bool law_alone;          /* what law and arms do not follow is noise: no discrepancy, no gains */
+    bool times_fixed;        /* arms keep their relaxation times */
     size_t n_contact_told;   /* runs that say how exact their contact is, */
     double contact_told;     /* and the root of the mean of its squares, m */
     size_t n_events;

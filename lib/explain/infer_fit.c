@@ -7,7 +7,8 @@
 #include <string.h>
 
 static const double TURN = 6.28318530717958647692;
-static const double WIDE = 3.0; /* prior sd of a logarithm: a factor of 20 */
+static const double WIDE = 3.0;   /* prior sd of a logarithm: a factor of 20 */
+static const double FIXED = 1e-6; /* and of one that is known: less than any run tells */
 
 palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, palp_law *spline) {
     double strain[PALP_LAW_MAX], stiffness[PALP_LAW_MAX], typical;
@@ -41,6 +42,10 @@ static void set_priors(infer_fit *fit, const explain_data *data) {
     for (size_t a = 0; a < fit->k; a++) {
         fit->given[a] = fit->c.x[a];
         fit->width[a] = fit->c.logarithmic[a] || a >= effects ? WIDE : fit->c.unit[a];
+    }
+    for (size_t a = m->law.n + 1; a < effects && data->times_fixed; a += 2) {
+        fit->c.low[a] = fit->c.high[a] = fit->c.x[a];
+        fit->width[a] = FIXED;
     }
     double typical =
         0.0; /* the law is smooth about a constant: how it bends in the given model is no prior */

@@ -64,25 +64,120 @@ static palp_status find_arms(infer_search *s, size_t least, size_t most) {
     return status;
 }
 
-/* A stiffness that is constant, of the largest force and depth, and no arms. */
-static palp_status start(infer_search *s, palp_model *model) {
-    const double stiffness = s->data.peak * s->data.height / s->data.deepest;
+/* ---- from many arms ---- */
+
+/* Arms even in log time: at fixed times so many a decade, else one a decade or nearly so. PALP_ERR_LIMIT: too
+ * many. */
+static palp_status place_arms(const explain_data *data, const palp_explain_choice *choice, double stiffness,
+                              palp_material *m, palp_error *error) {
+    const bool fixed = choice->per_decade > 0;
+    const double shortest = fixed ? 4.0 * data->step : data->step,
+                 longest = (fixed ? 3.0 : 1.0) * data->duration;
+    const double decades = log10(fmax(longest / shortest, 1.0)),
+                 each = fixed ? (double)choice->per_decade : 1.0;
+    const double wanted = ceil(each * decades - 1e-9) + 1.0;
+    if (fixed && wanted > PALP_ARMS_MAX)
+        return palp_error_set(error, PALP_ERR_LIMIT,
+                              "%g arms a decade over %.3g decades of time are more than %d", each, decades,
+                              PALP_ARMS_MAX);
+    m->n_arms = wanted < PALP_ARMS_MAX ? (size_t)wanted : PALP_ARMS_MAX;
+    const double apart = fixed ? 1.0 / each : decades / fmax(1.0, (double)m->n_arms - 1.0);
+    for (size_t j = 0; j < m->n_arms; j++) {
+        const double own = stiffness / (double)m->n_arms;
+        m->arms[j] =
+            (palp_arm){.stiffness_N = own, .viscosity_Ns = own * shortest * pow(10.0, apart * (double)j)};
+    }
+    return PALP_OK;
+}
+
+/* A stiffness that is constant, of the largest force and depth; arms, if there may be any, have half of it.
+ */
+static palp_status start(infer_search *s, palp_model *model, const palp_explain_choice *choice,
+                         palp_error *error) {
+    const double whole = s->data.peak * s->data.height / s->data.deepest;
+    const bool arms = choice->most_arms > 0 || choice->per_decade > 0;
+    const double own = arms ? 0.5 * whole : whole;
     model->material.n_arms = 0;
-    palp_status status = palp_law_polynomial(1, &stiffness, &model->material.law);
+    palp_status status = arms ? place_arms(&s->data, choice, own, &model->material, error) : PALP_OK;
+    if (!status)
+        status = palp_law_polynomial(1, &own, &model->material.law);
     if (!status)
         status = infer_fit_create(model, &s->data, NULL, &s->fit);
     return status ? status : infer_begin(&s->fit, &s->data, s->settings);
 }
 
+/* The fit at hand without arm j, near to its best parameters; raw NULL: there is none. */
+static palp_status take_out(const infer_search *s, size_t j, infer_fit *fit) {
+    enum { EVALUATIONS = 3 };
+    const infer_fit *with = &s->fit;
+    palp_model model = with->c.model;
+    palp_material *m = &model.material;
+    const size_t last = --m->n_arms, to = m->law.n + 2 * j, from = m->law.n + 2 * last;
+    m->arms[j] = m->arms[last];
+    palp_status status = infer_fit_create(&model, &s->data, with, fit);
+    if (status)
+        return status;
+    for (size_t a = 0; a < 2 && j < last; a++) {
+        fit->given[to + a] = with->given[from + a];
+        fit->c.low[to + a] = with->c.low[from + a];
+        fit->c.high[to + a] = with->c.high[from + a];
+    }
+    status = infer_fit_evaluate(fit, &s->data);
+    if (!status)
+        status = infer_fit_improve(fit, &s->data, EVALUATIONS);
+    if (status)
+        infer_fit_free(fit);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* The fit without the arm that is missed least; raw NULL: there is none. */
+static palp_status find_needless(const infer_search *s, infer_fit *best) {
+    palp_status status = PALP_OK;
+    memset(best, 0, sizeof *best);
+    for (size_t j = 0; j < s->fit.c.model.material.n_arms && !status; j++) {
+        infer_fit fit;
+        status = take_out(s, j, &fit);
+        if (!status && fit.raw && (!best->raw || fit.score > best->score))
+            infer_fit_exchange(best, &fit);
+        infer_fit_free(&fit);
+    }
+    if (!status && best->raw)
+        status = infer_fit_settle(best, &s->data, 2, true);
+    if (status)
+        infer_fit_free(best);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* Takes out arms that gain less than an added one has to, and those that are too many. */
+static palp_status drop_arms(infer_search *s, size_t least, size_t most) {
+    const double wanted = infer_threshold(s->settings) + infer_price(s);
+    palp_status status = PALP_OK;
+    for (bool taken = true; taken && !status && s->fit.c.model.material.n_arms > least;) {
+        const bool too_many = s->fit.c.model.material.n_arms > most;
+        infer_fit fit;
+        if (!too_many && s->settings->stop && s->settings->stop(s->settings->stop_user))
+            return PALP_ERR_STOPPED;
+        status = find_needless(s, &fit);
+        taken = !status && fit.raw && (too_many || s->fit.score - fit.score <= wanted);
+        if (taken)
+            infer_fit_exchange(&s->fit, &fit);
+        infer_fit_free(&fit);
+    }
+    return status;
+}
+
 static palp_status characterize(infer_search *s, palp_model *model, size_t n,
                                 const palp_explain_input *inputs, const palp_explain_choice *choice,
-                                palp_specimens_fit *fit) {
+                                palp_specimens_fit *fit, palp_error *error) {
     s->residual = malloc(2 * s->data.n * sizeof *s->residual);
     if (!s->residual)
         return PALP_ERR_NO_MEMORY;
     s->discrepancy = s->residual + s->data.n;
-    palp_status status = start(s, model);
+    palp_status status = start(s, model, choice, error);
     if (!status)
+        status = drop_arms(s, choice->per_decade ? 0 : choice->least_arms,
+                           choice->per_decade ? PALP_ARMS_MAX : choice->most_arms);
+    if (!status && !choice->per_decade)
         status = find_arms(s, choice->least_arms, choice->most_arms);
     fit->mean.converged = status != PALP_ERR_STOPPED;
     status = fit->mean.converged ? status : PALP_OK;
@@ -91,6 +186,18 @@ static palp_status characterize(infer_search *s, palp_model *model, size_t n,
     if (!status) /* sizes and noise moved last */
         status = infer_fit_improve(&s->fit, &s->data, INFER_LAST);
     return status ? status : infer_estimates_fill(s, n, inputs, fit);
+}
+
+/* Of runs that dwell, the dwells alone. */
+static void use_dwells(explain_data *data) {
+    for (size_t r = 0; r < data->n_runs; r++) {
+        explain_run *run = &data->run[r];
+        bool dwells = false;
+        for (size_t i = 0; i < run->n; i++)
+            dwells = dwells || (run->stood[i] >= 0.0 && run->depth[i] > 0.0);
+        for (size_t i = 0; i < run->n && dwells; i++)
+            run->use[i] = run->use[i] && run->stood[i] >= 0.0;
+    }
 }
 
 /* One contact for all runs is an effect, the first of those added. */
@@ -129,10 +236,13 @@ palp_status palp_explain_material(const palp_model *specimen, size_t n, const pa
         share_contact(&model, settings);
         s->settings = &arms;
         s->data.contacts_average_0 = s->data.law_alone = true;
+        s->data.times_fixed = choice->per_decade > 0;
+        if (choice->dwell_only)
+            use_dwells(&s->data);
         if (explain_fitted_runs(&s->data) < 2) /* that of one run is the average */
             s->data.contacts_alike = true;
         s->n_given = model.n_effects;
-        status = characterize(s, &model, n, inputs, choice, fit);
+        status = characterize(s, &model, n, inputs, choice, fit, error);
         infer_search_free(s);
     }
     if (s)

@@ -180,6 +180,8 @@ palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t ro
         fit->noise.white *= sqrt(p.here / (double)explain_samples(data));
         infer_posterior_free(&p);
         status = infer_fit_products(fit, data);
+        if (!status && i > 0 && data->law_alone) /* what the rest does not follow must not bend the rest */
+            status = infer_tails_learn(fit, data);
     }
     return status ? status : infer_fit_score(fit, data);
 }

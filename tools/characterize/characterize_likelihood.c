@@ -12,13 +12,12 @@
 static const char NAME[] = "characterize";
 
 int characterize_likelihood_check(const characterize_options *o) {
-    const bool whole = o->method == METHOD_NLOPT && o->arms_form == PALP_ARMS_FREE && !o->shared_arms &&
-                       !o->per_depth && !o->dwell_only && !o->fit_filtered;
-    return !o->likelihood || whole ? CLI_OK
-                                   : cli_usage_error(NAME, "--likelihood fits whole raw runs with free arms; "
-                                                           "leave out --method grid, --shared-arms, "
-                                                           "--per-depth, --hold-only, --fit-filtered and "
-                                                           "arms of another form");
+    const bool whole = o->method == METHOD_NLOPT && o->arms_form != PALP_ARMS_FRACTIONAL && !o->shared_arms &&
+                       !o->per_depth && !o->fit_filtered;
+    return !o->likelihood || whole
+               ? CLI_OK
+               : cli_usage_error(NAME, "--likelihood fits raw runs; leave out --method grid, --shared-arms, "
+                                       "--per-depth, --fit-filtered and --arms fractional");
 }
 
 /* ---- the runs ---- */
@@ -86,6 +85,8 @@ static palp_status choose(const characterize_options *o, characterize_state *s, 
     palp_status status = PALP_OK;
     choice->least_arms = o->arms_auto ? 0 : o->arms;
     choice->most_arms = o->arms_auto ? PALP_ARMS_MAX : o->arms;
+    choice->per_decade = o->per_decade;
+    choice->dwell_only = o->dwell_only;
     s->degree = o->degree;
     choice->law = s->law;
     choice->no_spline = !o->law_auto;
