@@ -17,7 +17,7 @@ material: base | law material closed_form indentation
 mesh: base | mesh
 data: base | experiment recording segments
 effect: wire solve material mesh data | effect
-model: effect | model region
+model: effect | model region free_term
 network: model | network visual vtu
 contact: network | tool tie
 cut: network | cut

@@ -132,6 +132,18 @@ typedef struct palp_explain_discrepancy {
     double correlated_N;           /* on the time in the run: correlated noise */
 } palp_explain_discrepancy;
 
+/* What the written model has beyond the catalogue: the terms of model.free_term. */
+typedef struct palp_explain_free {
+    size_t n;
+    double evidence[PALP_FREE_TERMS]; /* nats, that all runs share it */
+    double rms_N[PALP_FREE_TERMS];
+    palp_effect_id resembles; /* the effect that the first one is nearest to; PALP_EFFECT_COUNT: none */
+    double heldout_before_N, heldout_after_N; /* rms of runs left out, without and with the terms; 0: none */
+    double noise_level_N;                     /* beside the terms */
+    double closed;                            /* share of heldout_before_N above that noise */
+    double after_N;                           /* what the model with them leaves, as gap.after_N */
+} palp_explain_free;
+
 /* How the specimens of the runs differ, which their files name; model has it as the spread between specimens
  * then. */
 typedef struct palp_explain_specimens {
@@ -240,6 +252,7 @@ typedef struct palp_explanation {
     palp_explain_scatter zero, contact, gain;
     palp_explain_law law;
     palp_explain_discrepancy discrepancy;
+    palp_explain_free free;
     palp_explain_specimens specimens;
     bool replicates;       /* the runs have some */
     double null_threshold; /* score above which a candidate is more than chance, nats */

@@ -75,6 +75,12 @@ PALP_API palp_status palp_forward_band(const palp_model *model, const palp_forwa
 PALP_API palp_status palp_forward_network(const palp_model *model, const palp_network_settings *settings,
                                           const palp_forward_run *run, double *force_N, palp_error *error);
 
+/* Adds the term to force_N[n] along a path, times in s that increase, depths in m. height_m: of the specimen;
+ * session_s: when in the session time_s[0] was. ERR_ARGUMENT: palp_free_term_check, a height of 0. */
+PALP_API palp_status palp_free_term_add(const palp_free_term *term, size_t n, const double *time_s,
+                                        const double *depth_m, double height_m, double session_s,
+                                        double *force_N);
+
 #ifdef __cplusplus
 }
 #endif

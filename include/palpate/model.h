@@ -3,6 +3,7 @@
 #define PALPATE_MODEL_H
 
 #include <palpate/effect.h>
+#include <palpate/free_term.h>
 #include <palpate/material.h>
 #include <palpate/mesh.h>
 #include <palpate/region.h>
@@ -40,7 +41,7 @@ typedef struct palp_validity {
     double radius_m, depth_m, error;
 } palp_validity;
 
-/* A model; a plain value of less than 2 KB. Lengths in metres here, in mm in the file. */
+/* A model; a plain value of less than 4 KB. Lengths in metres here, in mm in the file. */
 typedef struct palp_model {
     palp_model_kind kind;
     double height_m, radius_m; /* specimen; radius 0 = not given; a network's height may be 0 = that
@@ -64,6 +65,8 @@ typedef struct palp_model {
     palp_validity validity[PALP_VALIDITY_MAX];
     size_t n_effects; /* what is added to the plain model; run by palp_forward_* */
     palp_effect effects[PALP_EFFECTS_MAX];
+    size_t n_free; /* what no effect describes; added to the force by palp_forward_* */
+    palp_free_term free_term[PALP_FREE_TERMS];
 } palp_model;
 
 /* Reads and checks a model. mesh is the caller's, and may be NULL if the mesh is not needed. For a network

@@ -11,6 +11,7 @@
 #include <palpate/explain.h>
 #include <palpate/file.h>
 #include <palpate/forward.h>
+#include <palpate/free_term.h>
 #include <palpate/indentation.h>
 #include <palpate/law.h>
 #include <palpate/material.h>

@@ -229,6 +229,8 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
     tell(s, 0.1);
     if (!status)
         status = conclude(s, model, e);
+    if (!status)
+        status = infer_free_find(s, e);
     tell(s, 0.1);
     return status;
 }

@@ -51,6 +51,10 @@ palp_status infer_scatter_find(const infer_search *s, palp_explanation *e);
 /* The fit at hand with its discrepancy left out, all else as it is; the caller's to free. */
 palp_status infer_without_discrepancy(const infer_search *s, infer_fit *without);
 
+/* Adds to nats what one size of the fit costs: its log-uniform prior over what its posterior leaves of it
+ * (Laplace). */
+palp_status infer_size_cost(infer_fit *fit, const explain_data *data, double *size, double *nats);
+
 /* Evidence of the discrepancy of the fit at hand, nats. */
 palp_status infer_discrepancy_weigh(const infer_search *s, double *nats);
 
@@ -60,5 +64,11 @@ palp_status infer_discrepancy_drop(infer_search *s, double *nats);
 /* e->discrepancy, whose evidence is there already; s->residual and s->discrepancy are those of the fit at
  * hand. */
 palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e);
+
+/* ---- free terms (infer_free.c) ---- */
+
+/* What all runs share of what no effect follows, where it is certain: e->free, and e->model with it, whose
+ * verdict is unexplained then. The fit at hand stays as it is. */
+palp_status infer_free_find(const infer_search *s, palp_explanation *e);
 
 #endif

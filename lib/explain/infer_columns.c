@@ -2,52 +2,23 @@
  * time in a dwell, and over the height of a plate that withdraws, which a specimen may follow. Each is a
  * natural cubic spline, 1 at one node of a grid and 0 at the others; they are called hats for short. */
 #include "infer_internal.h"
+#include "response/free_term.h"
 
 #include <math.h>
 #include <string.h>
-
-enum { N = INFER_NODES };
-
-/* Second derivatives at the nodes, bend[node N + function], of the natural cubic splines that are 1 at one
- * node and 0 at the others. */
-static void find_bends(double bend[N * N]) {
-    double pivot[N] = {0.0};
-    memset(bend, 0, N * N * sizeof *bend);
-    for (int i = 1; i + 1 < N; i++) {
-        pivot[i] = 1.0 / (4.0 - pivot[i - 1]);
-        for (int a = 0; a < N; a++) {
-            const double turn = a == i ? -12.0 : a == i - 1 || a == i + 1 ? 6.0 : 0.0;
-            bend[i * N + a] = (turn - bend[(i - 1) * N + a]) * pivot[i];
-        }
-    }
-    for (int i = N - 2; i > 0; i--)
-        for (int a = 0; a < N; a++)
-            bend[i * N + a] -= pivot[i] * bend[(i + 1) * N + a];
-}
-
-/* Adds a sample at this share of the grid. */
-static void add_hat(const double *bend, double at, double size, size_t n, size_t i, double *column) {
-    const double place = fmin(1.0, fmax(0.0, at)) * (N - 1);
-    const size_t left = (size_t)fmin(place, N - 2);
-    const double u = place - (double)left, v = 1.0 - u, *low = bend + left * N, *high = low + N;
-    for (size_t a = 0; a < N; a++)
-        column[a * n + i] = size * ((v * v * v - v) * low[a] + (u * u * u - u) * high[a]) / 6.0;
-    column[left * n + i] += size * v;
-    column[(left + 1) * n + i] += size * u;
-}
 
 void infer_hats(const explain_data *data, size_t r, double contact, double *column) {
     const explain_run *run = &data->run[r];
     const size_t n = run->n;
     const double span = log(data->duration / data->step);
-    double bend[N * N], top = run->depth[0], bottom = run->depth[0];
+    double bend[FREE_BENDS], top = run->depth[0], bottom = run->depth[0];
     bool back = false;
     const double surface = fmin(0.0, contact); /* below nominal contact there are the others */
     double above = 0.0, *dwell = column + INFER_DWELL * INFER_NODES * n;
     for (size_t i = 0; i < n; i++)
         above = fmax(above, surface - run->depth[i]);
     const double height = log1p(above / data->stride); /* how far a surface follows the plate is not known */
-    find_bends(bend);
+    free_term_bends(bend);
     memset(column, 0, INFER_HATS * n * sizeof *column);
     for (size_t i = 0; i < n; i++) {
         const double turned = 0.01 * data->deepest;
@@ -62,15 +33,93 @@ void infer_hats(const explain_data *data, size_t r, double contact, double *colu
         }
         if (run->depth[i] <= 0.0) {
             if (back && top > surface && run->depth[i] < surface)
-                add_hat(bend, log1p((surface - run->depth[i]) / data->stride) / height, 1.0, n, i,
-                        column + INFER_WITHDRAWN * INFER_NODES * n);
+                free_term_hats(bend, log1p((surface - run->depth[i]) / data->stride) / height, 1.0, n, i,
+                               column + INFER_WITHDRAWN * INFER_NODES * n);
             continue;
         }
-        add_hat(bend, run->depth[i] / run->height / data->strain, 1.0, n, i,
-                column + (size_t)(back ? INFER_UNLOADING : INFER_LOADING) * INFER_NODES * n);
+        free_term_hats(bend, run->depth[i] / run->height / data->strain, 1.0, n, i,
+                       column + (size_t)(back ? INFER_UNLOADING : INFER_LOADING) * INFER_NODES * n);
         if (run->stood[i] >= 0.0)
-            add_hat(bend, log(fmax(run->stood[i], data->step) / data->step) / span,
-                    run->depth[i] / data->deepest, n, i, dwell);
+            free_term_hats(bend, log(fmax(run->stood[i], data->step) / data->step) / span,
+                           run->depth[i] / data->deepest, n, i, dwell);
         dwell[i] = 0.0; /* a dwell begins with the force that the way to it ended with */
     }
+}
+
+/* ---- free terms ---- */
+
+static bool is_one_session(const explain_data *data) {
+    for (size_t r = 1; r < data->n_runs; r++)
+        if (data->run[r].session != data->run[0].session)
+            return false;
+    return true;
+}
+
+static void find_range(const explain_data *data, palp_free_kind kind, double *from, double *to) {
+    double top = HUGE_VAL, first = HUGE_VAL;
+    for (size_t r = 0; r < data->n_runs; r++) {
+        first = fmin(first, data->run[r].session);
+        for (size_t i = 0; i < data->run[r].n; i++)
+            top = fmin(top, data->run[r].depth[i]);
+    }
+    *from = 0.0;
+    switch (kind) {
+    case PALP_FREE_LOADING:
+    case PALP_FREE_UNLOADING:
+        *to = data->strain;
+        break;
+    case PALP_FREE_DWELL:
+    case PALP_FREE_EARLY:
+        *from = log(data->step);
+        *to = log(data->duration);
+        break;
+    case PALP_FREE_SPEED:
+    case PALP_FREE_PRESSED_SPEED:
+        *to = asinh(data->fastest * data->step / data->stride);
+        *from = -*to;
+        break;
+    case PALP_FREE_TURN:
+        *to = data->deepest - top;
+        break;
+    case PALP_FREE_SESSION:
+        *from = first;
+        *to = first + data->span;
+        break;
+    case PALP_FREE_PLACE:
+        *from = top;
+        *to = data->deepest;
+        break;
+    default:
+        *to = data->duration;
+    }
+}
+
+palp_status infer_free_term(const explain_data *data, palp_free_kind kind, palp_free_term *term) {
+    const bool by_clock = kind == PALP_FREE_RUN || kind == PALP_FREE_EARLY || kind == PALP_FREE_AGEING;
+    *term = (palp_free_term){.kind = kind, .depth_m = data->deepest, .slow_m_s = data->stride / data->step};
+    find_range(data, kind, &term->from, &term->to);
+    if ((by_clock && data->n_runs < 2) || (kind == PALP_FREE_SESSION && is_one_session(data)))
+        return PALP_ERR_UNSUPPORTED; /* nothing says that it comes again, or another kind says the same */
+    return palp_free_term_check(term) ? PALP_ERR_UNSUPPORTED : PALP_OK;
+}
+
+palp_status infer_free_hats(const infer_fit *fit, const explain_data *data, size_t r, double *column) {
+    enum { N = INFER_NODES };
+    const explain_run *run = &data->run[r];
+    const size_t n = run->n;
+    double bend[FREE_BENDS];
+    palp_status status = PALP_OK;
+    free_term_bends(bend);
+    memset(column, 0, INFER_HATS * n * sizeof *column);
+    for (size_t d = 0; d < fit->n_terms && !status; d++) {
+        double *hat = column + d * N * n, *at = hat + (N - 2) * n, *weight = hat + (N - 1) * n;
+        status =
+            free_term_place(&fit->term[d], n, run->time, run->depth, run->height, run->session, at, weight);
+        for (size_t i = 0; i < n && !status; i++)
+            free_term_hats(bend, at[i], weight[i], n, i, hat);
+        if (fit->term[d].kind ==
+            PALP_FREE_DWELL) /* which begins with the force that the way to it ended with */
+            memset(hat, 0, n * sizeof *hat);
+    }
+    return status;
 }

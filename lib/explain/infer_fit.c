@@ -288,8 +288,8 @@ static void take_residual(const infer_fit *fit, const explain_data *data, size_t
 }
 
 /* gradient: [columns of the full model, n]; force: [n]. */
-static void take_columns(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
-                         double *gradient, const size_t column[2], double *out) {
+static palp_status take_columns(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
+                                double *gradient, const size_t column[2], double *out) {
     const explain_run *run = &data->run[r];
     const size_t n = run->n, k = fit->k;
     double *own = out + k * n;
@@ -305,7 +305,10 @@ static void take_columns(const infer_fit *fit, const explain_data *data, size_t 
         own[INFER_COSINE * n + i] = fit->c.hum_Hz > 0.0 ? cos(turn) : 0.0;
     }
     take_residual(fit, data, r, force, out);
+    if (fit->free)
+        return infer_free_hats(fit, data, r, own + INFER_OWN * n);
     infer_hats(data, r, fit->c.contact[r], own + INFER_OWN * n);
+    return PALP_OK;
 }
 
 /* Forces of fit->c.model, run by run, and what becomes of them; with gradients, if the columns are wanted. */
@@ -329,7 +332,7 @@ static palp_status evaluate(infer_fit *fit, const explain_data *data, bool colum
             status = explain_predict(&own, &path, work, columns_too ? gradient : NULL, NULL);
         if (!status && columns_too) {
             take_slopes(&data->run[r], &own, work, gradient + column[0] * data->run[r].n, fit->sample + at);
-            take_columns(fit, data, r, work, gradient, column, out);
+            status = take_columns(fit, data, r, work, gradient, column, out);
         } else if (!status)
             take_residual(fit, data, r, work, out);
     }

@@ -14,7 +14,7 @@ enum { INFER_STIFFNESS, INFER_TIMES, INFER_LAW, INFER_SPECIMEN };
 
 /* Discrepancies are sums over these of smooth functions, one a node of a grid (infer_columns.c: hats). */
 enum { INFER_LOADING, INFER_UNLOADING, INFER_DWELL, INFER_WITHDRAWN, INFER_DOMAINS };
-enum { INFER_NODES = 12, INFER_HATS = INFER_DOMAINS * INFER_NODES };
+enum { INFER_NODES = PALP_FREE_NODES, INFER_HATS = INFER_DOMAINS * INFER_NODES };
 enum { INFER_LENGTHS = 2 }; /* correlation lengths of each, as shares of the range: infer_lengths */
 enum { INFER_BLOCK = INFER_OWN + INFER_HATS };
 enum { INFER_SLOW = 4 }; /* processes of the correlated noise, from a few samples to the longest run */
@@ -82,6 +82,9 @@ typedef struct infer_fit {
     size_t
         n_known; /* the first so many coordinates are as they are: a material that is not fitted, or none */
     bool plain;  /* it has no discrepancy */
+    bool free;   /* its domains run over these terms instead (infer_columns.c) */
+    size_t n_terms;
+    palp_free_term term[INFER_DOMAINS];
     bool held;   /* contacts, gains that bend and specimens are where the columns are */
     double *raw; /* all runs' columns, run r at raw + first sample m */
     double *product;              /* [n_runs m m] of the whitened ones */
@@ -315,6 +318,11 @@ palp_status infer_begin_anew(infer_fit *fit, const explain_data *data);
 enum {
     INFER_LAST = 5
 }; /* evaluations of the last improvement, as sizes and noise are learned after others */
+
+/* The term of this kind for these runs. ERR_UNSUPPORTED: they have none of what it runs over. */
+palp_status infer_free_term(const explain_data *data, palp_free_kind kind, palp_free_term *term);
+/* Hat functions of a free fit, [INFER_HATS n]. (infer_columns.c) */
+palp_status infer_free_hats(const infer_fit *fit, const explain_data *data, size_t r, double *column);
 
 /* Hat functions of run r, whose surface is at this depth, [INFER_HATS n]. (infer_columns.c) */
 void infer_hats(const explain_data *data, size_t r, double contact, double *column);

@@ -206,8 +206,7 @@ static palp_status find_evidence(const infer_search *s, double *nats) {
     return status;
 }
 
-/* What one size costs: its log-uniform prior over what its posterior leaves of it (Laplace), nats. */
-static palp_status cost_of_size(infer_fit *fit, const explain_data *data, double *size, double *nats) {
+palp_status infer_size_cost(infer_fit *fit, const explain_data *data, double *size, double *nats) {
     const double step = 0.5, was = *size, here = fit->promised,
                  hidden = fit->noise.white / sqrt((double)explain_samples(data));
     double sum = 0.0;
@@ -231,10 +230,11 @@ static palp_status cost_of_sizes(const infer_search *s, double *nats) {
     palp_status status = infer_fit_copy(&s->fit, &s->data, &fit);
     *nats = 0.0;
     for (size_t i = 0; i < INFER_DOMAINS * INFER_LENGTHS && !status; i++) {
-        status = cost_of_size(&fit, &s->data, &fit.sizes.common[i / INFER_LENGTHS][i % INFER_LENGTHS], nats);
+        status =
+            infer_size_cost(&fit, &s->data, &fit.sizes.common[i / INFER_LENGTHS][i % INFER_LENGTHS], nats);
         if (!status)
             status =
-                cost_of_size(&fit, &s->data, &fit.sizes.each[i / INFER_LENGTHS][i % INFER_LENGTHS], nats);
+                infer_size_cost(&fit, &s->data, &fit.sizes.each[i / INFER_LENGTHS][i % INFER_LENGTHS], nats);
     }
     if (fit.raw)
         infer_fit_free(&fit);

@@ -158,7 +158,8 @@ void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data) {
         fit->sizes.own[a] = fmax(fit->sizes.own[a], own[a]);
     for (size_t a = 0; a < INFER_SPECIMEN && data->n_specimens > 1; a++)
         fit->sizes.specimen[a] = fmax(fit->sizes.specimen[a], small / data->peak);
-    for (size_t d = 0; d < INFER_DOMAINS && !fit->plain && !data->law_alone; d++)
+    const size_t domains = fit->plain || data->law_alone ? 0 : fit->free ? fit->n_terms : INFER_DOMAINS;
+    for (size_t d = 0; d < domains; d++)
         for (size_t l = 0; l < INFER_LENGTHS; l++) {
             fit->sizes.common[d][l] = fmax(fit->sizes.common[d][l], small);
             fit->sizes.each[d][l] = fmax(fit->sizes.each[d][l], several ? small : 0.0);

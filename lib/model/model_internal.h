@@ -27,6 +27,13 @@ palp_status palp_model_effects_read(const palp_json *root, palp_model *model);
 /* Are all effects within bounds, possible for the model's kind, and without repeats? */
 palp_status palp_model_effects_check(const palp_model *model, palp_error *error);
 
+/* The list "free_term", absent = none; and may it be written? (model_free_terms.c) */
+palp_status palp_model_free_terms_read(const palp_json *root, palp_model *model);
+palp_status palp_model_free_terms_check(const palp_model *model, palp_error *error);
+
+/* Units of the ends of a kind's grid in a file: 1, or mm where they are metres. */
+double palp_model_free_unit(palp_free_kind kind);
+
 /* Rows of a material's covariance: coefficients of the law, then K_j and b_j of each arm. */
 size_t palp_model_covariance_size(const palp_material *material);
 bool palp_model_covariance_valid(size_t n, const double *covariance);

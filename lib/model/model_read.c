@@ -26,9 +26,9 @@ static palp_status read_model_version(const palp_json *root) {
     palp_status status = palp_json_keys(&palpate, COUNT(keys), keys);
     if (!status)
         status = palp_json_require(&palpate, "model", &model);
-    if (!status && !(json_is_integer(model.value) &&
-                     (json_integer_value(model.value) == 1 || json_integer_value(model.value) == 2)))
-        status = palp_json_fail(&model, PALP_ERR_INPUT, "is not 1 or 2, the versions that this build reads");
+    if (!status && !(json_is_integer(model.value) && json_integer_value(model.value) >= 1 &&
+                     json_integer_value(model.value) <= 3))
+        status = palp_json_fail(&model, PALP_ERR_INPUT, "is not 1 to 3, the versions that this build reads");
     return status;
 }
 
@@ -102,6 +102,8 @@ static palp_status read_element_material(const palp_json *root, palp_model *mode
         status = read_formulation_name(root, material);
     if (!status)
         status = palp_model_effects_read(root, model);
+    if (!status)
+        status = palp_model_free_terms_read(root, model);
     if (status)
         return status;
     status = palp_material_check(material, &wrong);
@@ -260,10 +262,11 @@ static palp_status read_network_members(const palp_json *root, palp_model *model
 
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
     /* the last six only in a network */
-    static const char *const keys[] = {
-        "palpate",      "kind",          "specimen",          "stiffness",     "arms",       "dashpot_Ns",
-        "quasi_linear", "formulation",   "effects",           "fractional",    "covariance", "specimens",
-        "mesh",         "density_kg_m3", "volume_modulus_Pa", "poisson_ratio", "validity",   "regions"};
+    static const char *const keys[] = {"palpate",       "kind",       "specimen",      "stiffness",
+                                       "arms",          "dashpot_Ns", "quasi_linear",  "formulation",
+                                       "effects",       "fractional", "covariance",    "specimens",
+                                       "free_term",     "mesh",       "density_kg_m3", "volume_modulus_Pa",
+                                       "poisson_ratio", "validity",   "regions"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;

@@ -85,6 +85,8 @@ static palp_status check_model_before_write(const palp_model *model, palp_error 
          !palp_model_covariance_valid(palp_model_covariance_size(&model->material), model->between)))
         status = palp_error_set(error, PALP_ERR_ARGUMENT,
                                 "the covariance between specimens is invalid, or they are fewer than 2");
+    if (!status)
+        status = palp_model_free_terms_check(model, error);
     return status ? status : palp_model_effects_check(model, error);
 }
 
@@ -222,6 +224,27 @@ static void print_effects_list(const writer *w, const palp_model *model) {
     for (size_t i = 0; i < model->n_effects; i++) {
         fprintf(w->stream, "%s%s", i ? (w->item[0] ? "," : ", ") : "", w->item);
         print_one_effect(w, &model->effects[i]);
+    }
+    fputc(']', w->stream);
+}
+
+static void print_free_terms(const writer *w, const palp_model *model) {
+    if (model->n_free == 0)
+        return;
+    fprintf(w->stream, "%s\"free_term\": [", w->between);
+    for (size_t i = 0; i < model->n_free; i++) {
+        const palp_free_term *t = &model->free_term[i];
+        const double unit = palp_model_free_unit(t->kind);
+        fprintf(w->stream, "%s%s{\"depends_on\": \"%s\", \"class\": \"%s\"",
+                i ? (w->item[0] ? "," : ", ") : "", w->item, palp_free_kind_name(t->kind),
+                palp_free_class_name(t->does));
+        print_quantity_in_unit(w, ", \"from\": ", t->from, unit);
+        print_quantity_in_unit(w, ", \"to\": ", t->to, unit);
+        print_length_in_mm(w, ", \"depth_mm\": ", t->depth_m);
+        print_length_in_mm(w, ", \"slow_mm_s\": ", t->slow_m_s);
+        print_number_list(w, ", \"force_N\": ", PALP_FREE_NODES, t->force_N);
+        print_number_list(w, ", \"sd_N\": ", PALP_FREE_NODES, t->sd_N);
+        fputc('}', w->stream);
     }
     fputc(']', w->stream);
 }
@@ -396,11 +419,14 @@ static palp_status print_complete_model(const writer *w, const palp_model *model
     if (!palp_locale_enter(&locale))
         return PALP_ERR_NO_MEMORY;
     fprintf(w->stream, "%s\"palpate\": {\"model\": %d}", w->open,
-            network && model->mesh->n_regions > 0 ? 2 : 1); /* older builds do not read regions */
+            model->n_free > 0                       ? 3
+            : network && model->mesh->n_regions > 0 ? 2
+                                                    : 1); /* older builds do not read free terms or regions */
     fprintf(w->stream, "%s\"kind\": \"%s\"", w->between, network ? "network" : "lumped");
     print_specimen_size(w, model);
     print_element_material(w, &model->material);
     print_effects_list(w, model);
+    print_free_terms(w, model);
     print_model_uncertainty(w, model);
     palp_status status = network ? print_network_members(w, model, mesh_path) : PALP_OK;
     fputs(w->close, w->stream);

@@ -269,6 +269,14 @@ palp_status forward_run(const forward_plan *plan, const forward_specimen *specim
     return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
 }
 
+palp_status forward_add_free(const palp_model *model, const palp_forward_run *run, double *force_N) {
+    palp_status status = PALP_OK;
+    for (size_t i = 0; i < model->n_free && !status; i++)
+        status = palp_free_term_add(&model->free_term[i], run->n, run->time_s, run->depth_m, model->height_m,
+                                    run->session_s, force_N);
+    return status;
+}
+
 palp_status palp_forward_force(const palp_model *model, const palp_forward_run *run, double *force_N,
                                double *gradient, palp_error *error) {
     if (!model || !run || !force_N)
@@ -294,5 +302,5 @@ palp_status palp_forward_force(const palp_model *model, const palp_forward_run *
     if (run->history && !status)
         forward_lumped_leave_history(lumped, run->history);
     forward_lumped_free(lumped);
-    return status;
+    return status ? status : forward_add_free(model, run, force_N);
 }

@@ -253,6 +253,9 @@ palp_status forward_run_adaptive(const forward_plan *plan, forward_network *netw
                                  const palp_forward_run *run, double *force_N, double *gradient,
                                  palp_error *error);
 
+/* Adds the model's free terms to the force along a run. */
+palp_status forward_add_free(const palp_model *model, const palp_forward_run *run, double *force_N);
+
 /* The whole chain of one recording; gradient is NULL or receives the specimen's columns (forward.c). */
 palp_status forward_run(const forward_plan *plan, const forward_specimen *specimen,
                         const palp_forward_run *run, double *force_N, double *gradient, palp_error *error);

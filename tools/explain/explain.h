@@ -37,6 +37,10 @@ json_t *explain_profile(const palp_explanation *e);
 /* Amplitudes of waves in it over time and over depth. (explain_spectrum.c) */
 json_t *explain_spectrum(const palp_explanation *e);
 
+/* The free terms: tables with their bands; NULL: there are none. And in sentences. (explain_free.c) */
+json_t *explain_free(const palp_explanation *e);
+void explain_free_say(json_t *story, const json_t *all);
+
 /* The next experiment as a protocol file. */
 json_t *explain_protocol(const palp_explanation *e);
 

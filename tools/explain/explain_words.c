@@ -303,6 +303,7 @@ static json_t *tell(const json_t *all) {
     add_scatter(story, all);
     add_rest(story, all);
     add_discrepancy(story, all);
+    explain_free_say(story, all);
     add_classes(story, all);
     return story;
 }

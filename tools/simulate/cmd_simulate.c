@@ -279,7 +279,7 @@ static int prepare(const simulate_options *o, simulation *s) {
     code = code ? code : override_nodes(o, s);
     code = code ? code : simulate_tip(o, s);
     if (code == CLI_OK)
-        code = make_path(o, s->like, s->model.n_effects > 0, &s->path);
+        code = make_path(o, s->like, s->model.n_effects + s->model.n_free > 0, &s->path);
     code = code ? code : simulate_resample(o, &s->path);
     s->height_m = s->reduced ? palp_reduced_describe(s->reduced).height_m : s->model.height_m;
     if (code == CLI_OK && s->model.kind == PALP_MODEL_NETWORK && !s->reduced)
@@ -294,7 +294,7 @@ static int simulate(const simulate_options *o, simulation *s) {
     if (s->reduced)
         code = simulate_reduced(o, s);
     else
-        code = s->model.n_effects > 0 ? simulate_effects(o, s) : run_plain(o, s);
+        code = s->model.n_effects + s->model.n_free > 0 ? simulate_effects(o, s) : run_plain(o, s);
     simulate_judge_range(s);
     code = code ? code : simulate_sense(o, s);
     if (code == CLI_OK && o->band)

@@ -127,8 +127,9 @@ static void hide(const truth *t, const secret *what, double strength, solid *s) 
     if (what->outside == NO_OUTSIDE)
         return;
     s->outside = what->outside;
-    s->outside_size =
-        what->outside == SLIP ? 0.5 * strength : (what->outside == WALK ? 2 : 0.5) * strength * what->peak;
+    s->outside_size = what->outside >= OUTSIDES ? strength
+                      : what->outside == SLIP   ? 0.5 * strength
+                                                : (what->outside == WALK ? 2 : 0.5) * strength * what->peak;
     s->outside_place = what->place;
     s->outside_run = what->run;
     s->seed = what->seed;
@@ -202,6 +203,8 @@ static secret draw_secret(const truth *t, const solid *plain, int kind, uint64_t
     secret what = {.effect = EFFECTS, .peak = t->lab->force};
     if (kind == 2)
         what.outside = (enum outside_id)(1 + turn % (OUTSIDES - 1));
+    if (kind == 4)
+        what.outside = (enum outside_id)(OUTSIDES + turn % (ALL_OUTSIDES - OUTSIDES));
     if (kind == 1 || kind == 3) {
         do
             what.effect = (int)random_index(rng, EFFECTS);

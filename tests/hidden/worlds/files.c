@@ -66,13 +66,23 @@ static void cosine_line(FILE *f, const double cosine[EFFECTS]) {
 }
 
 void truth_line(FILE *f, const truth *t) {
-    static const char *const outside[OUTSIDES] = {"",
-                                                  "wave in one run",
-                                                  "zeros that warm up",
-                                                  "specimen slips in one run",
-                                                  "zeros that wander",
-                                                  "zeros that jump",
-                                                  "zeros that follow the room"};
+    static const char *const outside[ALL_OUTSIDES] = {"",
+                                                      "wave in one run",
+                                                      "zeros that warm up",
+                                                      "specimen slips in one run",
+                                                      "zeros that wander",
+                                                      "zeros that jump",
+                                                      "zeros that follow the room",
+                                                      "hysteresis of the load cell",
+                                                      "backlash",
+                                                      "curing within a run",
+                                                      "gain of the position",
+                                                      "slip at the grip",
+                                                      "a frame that rings",
+                                                      "warm-up of each run",
+                                                      "room over the session",
+                                                      "damping of power 0.4",
+                                                      "a side wall"};
     fprintf(f, "{\"case\": \"%s\", \"world\": \"%s\", \"noise_N\": %.6g, \"rows\": %zu, \"arms\": %zu, ",
             t->name, t->lab->name, sqrt(t->white * t->white + t->step * t->step / 12), t->session.n,
             t->solid.n_arms);

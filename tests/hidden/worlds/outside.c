@@ -50,10 +50,57 @@ static void walk(const solid *s, const run *r, size_t number, double *force) {
     }
 }
 
+/* ---- what comes again in every run ---- */
+
+double outside_depth(const solid *s, outside_memory *m, double d) {
+    double travel = s->top * s->height, play = s->outside_size * travel;
+    if (s->outside == PLAY)
+        return m->plate = fmin(d + 0.5 * play, fmax(d - 0.5 * play, m->plate));
+    return s->outside == GRIP ? d - 0.3 * play * m->most : d;
+}
+
+/* motion: depth, velocity and acceleration of the plate. */
+double outside_force(const solid *s, const run *r, outside_memory *m, double t, double h,
+                     const double motion[3], double force) {
+    double travel = s->top * s->height, depth = motion[0] / travel, speed = motion[1] / r->rate,
+           size = s->outside_size, rings = two_pi * r->Hz / 30, change = (force - m->force) / (0.1 * s->size);
+    m->force = force;
+    switch (s->outside) {
+    case LOAD_CELL:
+        m->lag += change - fabs(change) * m->lag;
+        return force + 0.2 * size * s->size * m->lag;
+    case CURING:
+        return force * (1 + size * t / length_of(r));
+    case POSITION:
+        return force * (1 + 0.3 * size * sin(1.5 * two_pi * depth));
+    case GRIP:
+        m->most = fmax(m->most, fmax(0, force / s->size - s->outside_place));
+        return force;
+    case RINGING:
+        m->speed -= h * (0.1 * rings * m->speed + rings * rings * m->swing + motion[2] / travel);
+        m->swing += h * m->speed;
+        return force + 2 * size * s->size * m->swing;
+    case EACH_WARM_UP:
+        return force + 0.3 * size * s->size * exp(-t / (0.1 * s->outside_place * length_of(r)));
+    case SLOW_ROOM:
+        return force +
+               0.3 * size * s->size * sin(two_pi * (r->session + t) / (12 * s->outside_place * length_of(r)));
+    case DAMPER:
+        return force + 0.1 * size * s->size * copysign(pow(fabs(speed), 0.4), speed);
+    case WALL:
+        return force + size * s->size * fmax(0, depth - s->outside_place) *
+                           (speed > 0   ? 1
+                            : speed < 0 ? -1
+                                        : 0);
+    default:
+        return force;
+    }
+}
+
 void outside_add(const solid *s, const run *r, size_t number, double *force) {
     if (s->outside == WALK)
         walk(s, r, number, force);
-    else if (s->outside != NO_OUTSIDE && s->outside != SLIP)
+    else if (s->outside != NO_OUTSIDE && s->outside != SLIP && s->outside < OUTSIDES)
         for (size_t i = 0; i < r->n; i++)
             force[i] += s->outside_size * zero_at(s, r, number, (double)i / r->Hz);
 }

@@ -171,6 +171,7 @@ void solid_press(const solid *s, const run *r, size_t number, double *force) {
     size_t steps = steps_of(s, 1 / r->Hz), hint = 0;
     double d, v, a, output = 0, old = 0, before = -1 / r->Hz;
     state at = {.s = s};
+    outside_memory memory = {0};
     for (size_t i = 0; i < r->n; i++) {
         double now = lab_time(s->lab, r, number, i), h = (now - before) / (double)steps;
         at.step = h;
@@ -180,8 +181,10 @@ void solid_press(const solid *s, const run *r, size_t number, double *force) {
             lab_path(s->lab, r, t, &hint, &d, &v, &a);
             at.factor = (1 + r->gain) * outside_factor(s, r, number, t);
             at.speed = v / s->height;
-            advance(&at, (d - r->shift) / s->height);
-            double input = at.force + frame_force(s, r, d, v);
+            memory.plate = i == 0 ? d : memory.plate;
+            advance(&at, (outside_depth(s, &memory, d) - r->shift) / s->height);
+            double input = outside_force(s, r, &memory, t, h, (double[]){d, v, a}, at.force);
+            input += frame_force(s, r, d, v);
             output = i == 0 ? input : lagged(s, h, output, old, input);
             old = input;
         }

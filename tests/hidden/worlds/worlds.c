@@ -8,22 +8,26 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Of each laboratory: nulls, effects, what is outside the catalogue, pairs of effects; where little can be
+/* Of each laboratory: nulls, effects, what is outside the catalogue, pairs of effects, what is outside it and
+ * comes again; where little can be
  * told apart, fewer. */
 typedef struct share {
-    int of[4];
+    int of[5];
 } share;
 
 static share share_of(const lab *l, const char *set) {
     bool quick = strcmp(set, "quick") == 0;
+    if (strcmp(set, "outside") == 0) /* each kind in two laboratories, with nulls */
+        return l->protocol == RICH && l->header == FULL ? (share){{5, 0, 0, 0, ALL_OUTSIDES - OUTSIDES}}
+                                                        : (share){{0, 0, 0, 0, 0}};
     if (l->other != (strcmp(set, "testers") == 0))
-        return (share){{0, 0, 0, 0}};
+        return (share){{0, 0, 0, 0, 0}};
     if (l->other)
-        return (share){{2, 3, 1, 1}};
+        return (share){{2, 3, 1, 1, 0}};
     bool plain = strcmp(l->name, "family") == 0 || strcmp(l->name, "one_speed") == 0;
     if (quick)
-        return plain ? (share){{1, 1, 0, 0}} : (share){{0, 0, 0, 0}};
-    return l->protocol == RICH ? (share){{3, 4, 2, 0}} : (share){{2, 2, 0, 0}};
+        return plain ? (share){{1, 1, 0, 0, 0}} : (share){{0, 0, 0, 0, 0}};
+    return l->protocol == RICH ? (share){{3, 4, 2, 0, 0}} : (share){{2, 2, 0, 0, 0}};
 }
 
 static bool one_case(const lab *l, uint64_t seed, uint64_t stream, int number, int kind, const char *out,
@@ -45,7 +49,7 @@ static bool all_cases(uint64_t seed, const char *set, const char *out, FILE *tru
     int number = 0;
     for (size_t i = 0; i < LABS; i++) {
         share s = share_of(&laboratories[i], set);
-        for (int kind = 0; kind < 4; kind++)
+        for (int kind = 0; kind < 5; kind++)
             for (int k = 0; k < s.of[kind]; k++)
                 if (!one_case(&laboratories[i], seed, 1000 * (i + 1) + 100 * (uint64_t)kind + (uint64_t)k,
                               ++number, kind, out, truths)) {
@@ -59,15 +63,15 @@ static bool all_cases(uint64_t seed, const char *set, const char *out, FILE *tru
 }
 
 static int usage(void) {
-    fprintf(stderr, "worlds all|quick|testers SEED DIR TRUTH.json\nworlds --self-test\n");
+    fprintf(stderr, "worlds all|quick|testers|outside SEED DIR TRUTH.json\nworlds --self-test\n");
     return 2;
 }
 
 int main(int argc, char **argv) {
     if (argc == 2 && strcmp(argv[1], "--self-test") == 0)
         return worlds_self_test() == 0 ? 0 : 1;
-    if (argc != 5 ||
-        (strcmp(argv[1], "all") != 0 && strcmp(argv[1], "quick") != 0 && strcmp(argv[1], "testers") != 0))
+    if (argc != 5 || (strcmp(argv[1], "all") != 0 && strcmp(argv[1], "quick") != 0 &&
+                      strcmp(argv[1], "testers") != 0 && strcmp(argv[1], "outside") != 0))
         return usage();
     uint64_t seed = strtoull(argv[2], NULL, 10);
     if (mkdir(argv[3], 0777) != 0 && errno != EEXIST) {

@@ -12,7 +12,27 @@ enum { HATS = 12, TIMES = 4, SPECTRUM = 10, SOLID_ARMS = SPECTRUM + TIMES + 1 };
 enum law_kind { QUADRATIC, FUNG, PIECEWISE, HERTZ };
 
 /* What no row of the catalogue describes (outside.c). */
-enum outside_id { NO_OUTSIDE, WAVE, WARM_UP, SLIP, WALK, JUMP, ROOM, OUTSIDES };
+enum outside_id {
+    NO_OUTSIDE,
+    WAVE,
+    WARM_UP,
+    SLIP,
+    WALK,
+    JUMP,
+    ROOM,
+    OUTSIDES,             /* of the sets all and testers; those of the set outside, which come again: */
+    LOAD_CELL = OUTSIDES, /* its force lags behind itself (hysteresis) */
+    PLAY,                 /* the plate moves only after a part of the way back */
+    CURING,               /* the specimen grows stiffer in a run */
+    POSITION,             /* the gain depends on the position */
+    GRIP,                 /* the specimen gives way for good beyond a force, anew in each run */
+    RINGING,              /* the frame rings after each corner */
+    EACH_WARM_UP,         /* the zero of each run settles alike */
+    SLOW_ROOM,            /* the zero follows the room over the session */
+    DAMPER,               /* of the power 0.4 of the speed */
+    WALL,                 /* a wall beside the specimen rubs from a depth on */
+    ALL_OUTSIDES
+};
 
 struct lab;
 typedef struct solid {
@@ -39,6 +59,14 @@ void solid_press(const solid *s, const run *r, size_t number, double *force);
 /* Adds what is outside the catalogue to the force; before: of the specimen, at the force itself (SLIP). */
 double outside_factor(const solid *s, const run *r, size_t number, double t);
 void outside_add(const solid *s, const run *r, size_t number, double *force);
+/* What remembers the path: where the plate is where the recorded depth is d; and, after the specimen's force,
+ * what the sensor reads. memory: {0} at a run's start. */
+typedef struct outside_memory {
+    double plate, force, lag, most, swing, speed;
+} outside_memory;
+double outside_depth(const solid *s, outside_memory *memory, double d);
+double outside_force(const solid *s, const run *r, outside_memory *memory, double t, double h,
+                     const double motion[3], double force);
 
 /* ---- who presses it (lab.c) ---- */
 enum noise_kind { GAUSS, STUDENT, CORRELATED, QUANTIZED };
@@ -91,7 +119,8 @@ typedef struct truth {
     double *force; /* as recorded */
 } truth;
 
-/* false without memory. kind: 0 a null, 1 an effect, 2 outside the catalogue, 3 a pair of effects. */
+/* false without memory. kind: 0 a null, 1 an effect, 2 outside the catalogue, 3 a pair of effects, 4 outside
+ * the catalogue and in all runs. */
 bool truth_draw(truth *t, const lab *l, uint64_t seed, uint64_t stream, int kind);
 void truth_free(truth *t);
 bool truth_files(const truth *t, const char *folder);

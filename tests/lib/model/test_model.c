@@ -486,7 +486,7 @@ END_TEST
 
 /* A copy has a material and effects of its own and the same mesh. */
 START_TEST(model_is_copied_by_value) {
-    ck_assert_uint_lt(sizeof(palp_model), 2048);
+    ck_assert_uint_lt(sizeof(palp_model), 4096);
     palp_model model = read_text(sample), copy = model;
     palp_mesh *one, *other;
     model.material.law.coefficients[0] = 1;

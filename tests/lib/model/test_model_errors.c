@@ -75,8 +75,8 @@ static const struct {
      "arms[1].stiffness_kN is not a known key: \"stiffness_N\" is expected"},
     {"unknown", 12, PALP_ERR_INPUT,
      "colour is not a known key, which are palpate, kind, specimen, stiffness, arms, dashpot_Ns, "
-     "quasi_linear, formulation, effects, fractional, covariance, specimens"},
-    {"version_3", 2, PALP_ERR_INPUT, "palpate.model is not 1 or 2, the versions that this build reads"},
+     "quasi_linear, formulation, effects, fractional, covariance, specimens, free_term"},
+    {"version_4", 2, PALP_ERR_INPUT, "palpate.model is not 1 to 3, the versions that this build reads"},
     {"viscosity", 10, PALP_ERR_INPUT, "arms[1].viscosity_Ns must be greater than 0, not -30"},
 };
 

@@ -1,0 +1,68 @@
+/* free_term.h: a part of a model that has no name: a force that depends on the path of the plate, as a table
+ * with its uncertainty. palpate explain finds it where no effect of the catalogue fits. May change. */
+#ifndef PALPATE_FREE_TERM_H
+#define PALPATE_FREE_TERM_H
+
+#include <stddef.h>
+
+#include <palpate/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { PALP_FREE_NODES = 12, PALP_FREE_TERMS = 4 };
+
+/* What the force depends on. The grid is even in the coordinate of the kind: */
+typedef enum palp_free_kind {
+    PALP_FREE_LOADING,       /* strain, depth over height, on the way in */
+    PALP_FREE_UNLOADING,     /* the same on the way out */
+    PALP_FREE_DWELL,         /* log of the time for which the plate stands, s; in proportion to the depth */
+    PALP_FREE_RUN,           /* time since the first sample, s */
+    PALP_FREE_EARLY,         /* its logarithm */
+    PALP_FREE_AGEING,        /* time since the first sample, s; in proportion to the depth */
+    PALP_FREE_SPEED,         /* asinh(speed / slow_m_s), positive on the way in */
+    PALP_FREE_PRESSED_SPEED, /* the same, in proportion to the depth */
+    PALP_FREE_TURN,          /* way since the plate last turned, m; in proportion to the depth, and with the
+                                sign of the motion */
+    PALP_FREE_SESSION,       /* time in the session, s */
+    PALP_FREE_PLACE,         /* the recorded depth, m, in air too */
+    PALP_FREE_KINDS
+} palp_free_kind;
+
+/* What it does. */
+typedef enum palp_free_class {
+    PALP_FREE_ELASTIC,     /* the same on both ways */
+    PALP_FREE_DISSIPATIVE, /* of the way, the speed or the time in a dwell */
+    PALP_FREE_CLOCK,       /* of the time in the run, in air too */
+    PALP_FREE_AGE,         /* of the time in the run while something is pressed */
+    PALP_FREE_OF_SESSION,
+    PALP_FREE_OF_PLACE,
+    PALP_FREE_CLASSES
+} palp_free_class;
+
+/* The force is the natural cubic spline through force_N at PALP_FREE_NODES places from .. to, and constant
+ * beyond them. */
+typedef struct palp_free_term {
+    palp_free_kind kind;
+    palp_free_class does;
+    double from, to; /* in the coordinate of the kind */
+    double depth_m;  /* at which a force in proportion to the depth is that of the table */
+    double slow_m_s; /* of a speed */
+    double force_N[PALP_FREE_NODES], sd_N[PALP_FREE_NODES];
+} palp_free_term;
+
+PALP_API const char *palp_free_kind_name(palp_free_kind kind);     /* "depth_loading", ... */
+PALP_API const char *palp_free_class_name(palp_free_class class_); /* "elastic", ... */
+
+/* ERR_ARGUMENT: it is no term: an unknown kind or class, from not below to, or a number that is out of
+ * bounds. */
+PALP_API palp_status palp_free_term_check(const palp_free_term *term);
+
+/* What the force depends on at this share of the grid, 0 to 1: strain, s, m/s or m. NAN: no term. */
+PALP_API double palp_free_term_coordinate(const palp_free_term *term, double share);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,406 @@
+/* infer_free.c: free terms: what all runs share of what no effect follows, as a function of one thing that
+ * the path has. Kinds of functions are compared by the evidence of a fit without other discrepancies. */
+#include "infer_answer.h"
+#include "base/dense.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FINALISTS = 3 };
+
+/* Columns of all terms; the others are as they are. */
+static palp_status take_hats(infer_fit *fit, const explain_data *data) {
+    palp_status status = PALP_OK;
+    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n)
+        status =
+            infer_free_hats(fit, data, r, fit->raw + at * fit->m + (fit->k + INFER_OWN) * data->run[r].n);
+    return status;
+}
+
+/* ---- the search ---- */
+
+/* Products and score, then sizes and noise. */
+static palp_status learn(infer_fit *fit, const explain_data *data, size_t rounds, size_t evaluations) {
+    palp_status status = infer_fit_products(fit, data);
+    if (!status)
+        status = infer_fit_score(fit, data);
+    if (!status)
+        status = infer_sizes_learn(fit, data, rounds);
+    return status ? status : infer_noise_learn(fit, data, evaluations, false);
+}
+
+/* One term more beside a fit; fit.raw NULL: there is none. */
+typedef struct trial {
+    infer_fit fit;
+    double evidence; /* that all runs share it, nats */
+    palp_status status;
+} trial;
+
+typedef struct terms {
+    const infer_search *s;
+    infer_fit fit;
+    trial trial[PALP_FREE_KINDS];
+    palp_status status[PALP_FREE_KINDS];
+} terms;
+
+static bool has_term(const infer_fit *fit, palp_free_kind kind) {
+    for (size_t d = 0; d < fit->n_terms; d++)
+        if (fit->term[d].kind == kind)
+            return true;
+    return false;
+}
+
+static void try_kind(void *user, size_t i) {
+    enum { ROUNDS = 6, EVALUATIONS = 4 };
+    terms *t = user;
+    const explain_data *data = &t->s->data;
+    trial *one = &t->trial[i];
+    palp_free_term term;
+    one->fit.raw = NULL;
+    one->evidence = -HUGE_VAL;
+    t->status[i] = PALP_OK;
+    if (has_term(&t->fit, (palp_free_kind)i) || infer_free_term(data, (palp_free_kind)i, &term))
+        return;
+    t->status[i] = infer_fit_copy(&t->fit, data, &one->fit);
+    if (t->status[i])
+        return;
+    const infer_sizes first = infer_sizes_first(data);
+    const size_t d = one->fit.n_terms++;
+    one->fit.term[d] = term;
+    memcpy(one->fit.sizes.common[d], first.common[0], sizeof first.common[0]);
+    memcpy(one->fit.sizes.each[d], first.each[0], sizeof first.each[0]);
+    t->status[i] = take_hats(&one->fit, data);
+    if (!t->status[i])
+        t->status[i] = learn(&one->fit, data, ROUNDS, EVALUATIONS);
+    if (t->status[i] == PALP_ERR_NO_MEMORY)
+        return;
+    if (t->status[i])
+        one->fit.promised = -HUGE_VAL;
+    t->status[i] = PALP_OK;
+}
+
+/* By how much the fit is more probable than one whose runs do not share term d. The term pays for the sizes
+ * that it has, and for being one of many. */
+static palp_status weigh(const infer_fit *fit, const infer_search *s, size_t d, double *nats) {
+    enum { ROUNDS = 12, EVALUATIONS = 15 };
+    infer_fit without;
+    double cost = 0.0;
+    palp_status status = infer_fit_copy(fit, &s->data, &without);
+    if (status)
+        return status;
+    for (size_t l = 0; l < INFER_LENGTHS && !status; l++)
+        status = infer_size_cost(&without, &s->data, &without.sizes.common[d][l], &cost);
+    memset(without.sizes.common[d], 0, sizeof without.sizes.common[d]);
+    if (!status)
+        status = learn(&without, &s->data, ROUNDS, EVALUATIONS);
+    *nats = fit->promised - without.promised - cost - log(PALP_FREE_KINDS);
+    infer_fit_free(&without);
+    return status;
+}
+
+static void weigh_kind(void *user, size_t i) {
+    enum { ROUNDS = 12, EVALUATIONS = 15 };
+    terms *t = user;
+    trial *one = &t->trial[i];
+    size_t better = 0;
+    for (size_t k = 0; k < PALP_FREE_KINDS; k++)
+        better += t->trial[k].fit.raw && t->trial[k].fit.promised > one->fit.promised;
+    if (!one->fit.raw || better >= FINALISTS || !isfinite(one->fit.promised))
+        return;
+    infer_fit last;
+    t->status[i] = infer_fit_copy(&one->fit, &t->s->data, &last); /* the others look at the trial's score */
+    if (t->status[i])
+        return;
+    t->status[i] = learn(&last, &t->s->data, ROUNDS, EVALUATIONS);
+    if (!t->status[i] && infer_any(last.sizes.common[last.n_terms - 1]))
+        t->status[i] = weigh(&last, t->s, last.n_terms - 1, &one->evidence);
+    infer_fit_free(&last);
+    if (t->status[i] && t->status[i] != PALP_ERR_NO_MEMORY) {
+        one->evidence = -HUGE_VAL;
+        t->status[i] = PALP_OK;
+    }
+}
+
+static void free_trials(terms *t) {
+    for (size_t i = 0; i < PALP_FREE_KINDS; i++)
+        if (t->trial[i].fit.raw)
+            infer_fit_free(&t->trial[i].fit);
+}
+
+/* The term that is the most certain one beside the fit at hand; found: it is above the threshold. */
+static palp_status add_term(terms *t, bool *found) {
+    enum { EVALUATIONS = 5 };
+    const infer_search *s = t->s;
+    size_t best = 0;
+    palp_status status = explain_each(s->settings, PALP_FREE_KINDS, try_kind, t, t->status);
+    if (!status)
+        status = explain_each(s->settings, PALP_FREE_KINDS, weigh_kind, t, t->status);
+    for (size_t i = 0; i < PALP_FREE_KINDS; i++)
+        best = t->trial[i].evidence > t->trial[best].evidence ? i : best;
+    *found = !status && t->trial[best].evidence > infer_threshold(s->settings);
+    if (*found) {
+        infer_fit_exchange(&t->fit, &t->trial[best].fit);
+        status = infer_fit_improve(&t->fit, &s->data, EVALUATIONS);
+    }
+    free_trials(t);
+    return status;
+}
+
+/* Without term d. */
+static palp_status drop_term(infer_fit *fit, const explain_data *data, size_t d) {
+    fit->n_terms--;
+    for (size_t a = d; a < fit->n_terms; a++) {
+        fit->term[a] = fit->term[a + 1];
+        memcpy(fit->sizes.common[a], fit->sizes.common[a + 1], sizeof fit->sizes.common[a]);
+        memcpy(fit->sizes.each[a], fit->sizes.each[a + 1], sizeof fit->sizes.each[a]);
+    }
+    memset(fit->sizes.common[fit->n_terms], 0, sizeof fit->sizes.common[0]);
+    memset(fit->sizes.each[fit->n_terms], 0, sizeof fit->sizes.each[0]);
+    palp_status status = take_hats(fit, data);
+    return status ? status : infer_fit_converge(fit, data);
+}
+
+/* Terms that are not certain beside the others go, from the last to the first. evidence: of the others. */
+static palp_status drop_uncertain(infer_fit *fit, const infer_search *s, double *evidence) {
+    palp_status status = PALP_OK;
+    for (size_t d = fit->n_terms; d-- > 0 && !status;) {
+        evidence[d] = -HUGE_VAL;
+        if (infer_any(fit->sizes.common[d]))
+            status = weigh(fit, s, d, &evidence[d]);
+        if (status || evidence[d] > infer_threshold(s->settings))
+            continue;
+        status = drop_term(fit, &s->data, d);
+        memmove(evidence + d, evidence + d + 1, (fit->n_terms - d) * sizeof *evidence);
+    }
+    return status;
+}
+
+/* ---- runs left out ---- */
+
+/* Squares of what the terms that the other runs share leave of run r, whose own are the rest's. */
+static palp_status add_left(const infer_fit *fit, explain_data *data, size_t r, size_t at, double *squares) {
+    explain_run *run = &data->run[r];
+    const bool was = run->held_out;
+    const size_t n = run->n;
+    double own[INFER_BLOCK], undone[EXPLAIN_COLUMNS];
+    infer_posterior p;
+    run->held_out = true;
+    palp_status status = infer_posterior_find(fit, data, &p);
+    run->held_out = was;
+    if (status)
+        return status;
+    status = infer_own(fit, data, &p, r, own, NULL);
+    const double *raw = fit->raw + at * fit->m, *own_column = raw + fit->k * n;
+    for (size_t a = 0; a < fit->k; a++)
+        undone[a] = infer_undone(&p, 0, INFER_HATS, a);
+    for (size_t i = 0; i < n && !status; i++) {
+        double left = raw[(fit->m - 1) * n + i];
+        for (size_t a = 0; a < fit->k; a++)
+            left -= (p.mean[INFER_HATS + a] - undone[a]) * raw[a * n + i];
+        for (size_t a = 0; a < INFER_OWN; a++)
+            left -= own[a] * own_column[a * n + i];
+        for (size_t a = 0; a < INFER_HATS; a++)
+            left -= p.mean[a] * own_column[(INFER_OWN + a) * n + i];
+        *squares += run->use[i] ? left * left : 0.0;
+    }
+    infer_posterior_free(&p);
+    return status;
+}
+
+/* Whether the terms help to predict what is left out, and what they close of it. */
+static palp_status confirm(const infer_fit *fit, const infer_fit *without, const infer_search *s,
+                           palp_explain_free *out, bool *better) {
+    explain_data data = s->data; /* whose runs say for a moment that they are held out */
+    infer_left_out with = {.n = 0}, plain = {.n = 0};
+    double squares = 0.0, count = 0.0, se;
+    palp_status status = infer_leave_out(fit, &data, &with);
+    if (!status)
+        status = infer_leave_out(without, &data, &plain);
+    *better = !status && infer_predicts_better(&with, &plain, &se) > 0.0;
+    const bool each = explain_fitted_runs(&data) == data.n_runs;
+    for (size_t r = 0, at = 0; r < data.n_runs && plain.rms_N > 0.0 && !status; at += data.run[r++].n) {
+        if (!each && !data.run[r].held_out)
+            continue;
+        status = add_left(fit, &data, r, at, &squares);
+        count += (double)data.run[r].n;
+    }
+    out->heldout_before_N = plain.rms_N;
+    out->heldout_after_N = count > 0.0 ? sqrt(squares / count) : 0.0;
+    double slow = 0.0;
+    for (int a = 0; a < INFER_SLOW; a++)
+        slow += fit->noise.slow[a] * fit->noise.slow[a];
+    out->noise_level_N = hypot(infer_white_level(fit, &data), sqrt(slow));
+    const double open = out->heldout_before_N - out->noise_level_N;
+    out->closed = open > 0.0 ? (out->heldout_before_N - out->heldout_after_N) / open : 0.0;
+    out->closed = fmin(1.0, fmax(0.0, out->closed));
+    *better = *better && (!(plain.rms_N > 0.0) || out->heldout_after_N < out->heldout_before_N);
+    infer_left_out_free(&with);
+    infer_left_out_free(&plain);
+    return status;
+}
+
+/* ---- as a model ---- */
+
+/* What a term does. On both ways alike it is elastic. */
+static palp_free_class class_of(const infer_fit *fit, size_t d) {
+    static const palp_free_class classes[PALP_FREE_KINDS] = {
+        PALP_FREE_DISSIPATIVE, PALP_FREE_DISSIPATIVE, PALP_FREE_DISSIPATIVE, PALP_FREE_CLOCK,
+        PALP_FREE_CLOCK,       PALP_FREE_AGE,         PALP_FREE_DISSIPATIVE, PALP_FREE_DISSIPATIVE,
+        PALP_FREE_DISSIPATIVE, PALP_FREE_OF_SESSION,  PALP_FREE_OF_PLACE};
+    const palp_free_kind kind = fit->term[d].kind;
+    double even = 0.0, odd = 0.0;
+    for (size_t b = 0; b < fit->n_terms; b++)
+        for (size_t a = 0; a < INFER_NODES && kind <= PALP_FREE_UNLOADING; a++) {
+            if (b == d || fit->term[b].kind > PALP_FREE_UNLOADING)
+                continue;
+            even += pow(fit->term[d].force_N[a] + fit->term[b].force_N[a], 2.0);
+            odd += pow(fit->term[d].force_N[a] - fit->term[b].force_N[a], 2.0);
+        }
+    return even > odd ? PALP_FREE_ELASTIC : classes[kind];
+}
+
+/* Tables and bands of the posterior into fit->term, and what of a common term the law follows into the
+ * law. */
+static palp_status take_tables(infer_fit *fit, const explain_data *data) {
+    enum { N = INFER_NODES };
+    infer_posterior p;
+    palp_status status = infer_posterior_find(fit, data, &p);
+    double *unit = status ? NULL : calloc(p.g, sizeof *unit);
+    if (!unit)
+        return status ? status : PALP_ERR_NO_MEMORY;
+    for (size_t d = 0; d < fit->n_terms; d++)
+        for (size_t a = 0; a < N; a++) {
+            const bool none = fit->term[d].kind == PALP_FREE_DWELL && a == 0;
+            memset(unit, 0, p.g * sizeof *unit);
+            unit[d * N + a] = 1.0;
+            dense_forward(p.g, p.factor, 1, unit);
+            fit->term[d].force_N[a] = none ? 0.0 : p.mean[d * N + a];
+            fit->term[d].sd_N[a] = none ? 0.0 : infer_tail_widening(fit) * sqrt(dense_dot(p.g, unit, unit));
+        }
+    for (size_t d = 0; d < fit->n_terms; d++)
+        fit->term[d].does = class_of(fit, d);
+    for (size_t a = 0; a < fit->k; a++)
+        fit->c.x[a] = fmin(fit->c.high[a], fmax(fit->c.low[a], fit->c.x[a] + p.mean[INFER_HATS + a] -
+                                                                   infer_undone(&p, 0, INFER_HATS, a)));
+    free(unit);
+    infer_posterior_free(&p);
+    return explain_fit_to_model(&fit->c);
+}
+
+/* rms of each term over the samples. */
+static palp_status find_rms(const infer_fit *fit, const explain_data *data, double *rms) {
+    double *force = calloc(data->longest, sizeof *force);
+    palp_status status = force ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t d = 0; d < fit->n_terms && !status; d++) {
+        double squares = 0.0;
+        for (size_t r = 0; r < data->n_runs && !status; r++) {
+            const explain_run *run = &data->run[r];
+            memset(force, 0, run->n * sizeof *force);
+            status = palp_free_term_add(&fit->term[d], run->n, run->time, run->depth, run->height,
+                                        run->session, force);
+            squares += dense_dot(run->n, force, force);
+        }
+        rms[d] = sqrt(squares / (double)data->n);
+    }
+    free(force);
+    return status;
+}
+
+/* The model with the terms as they are, its other parameters and the runs' own refitted beside them. */
+static palp_status write_model(infer_fit *fit, const infer_search *s, palp_explanation *e) {
+    enum { ROUNDS = 3 };
+    const explain_data *data = &s->data;
+    palp_status status = take_tables(fit, data);
+    if (status)
+        return status;
+    fit->c.model.n_free = fit->n_terms;
+    memcpy(fit->c.model.free_term, fit->term, fit->n_terms * sizeof *fit->term);
+    memset(fit->sizes.common, 0, sizeof fit->sizes.common);
+    fit->plain = true; /* none of them is learned anew */
+    double *residual = malloc(2 * data->n * sizeof *residual);
+    status = residual ? infer_fit_evaluate(fit, data) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = infer_fit_score(fit, data);
+    if (!status)
+        status = infer_fit_settle(fit, data, ROUNDS, false);
+    if (!status)
+        status = infer_residual(fit, data, residual, residual + data->n);
+    if (!status)
+        status = find_rms(fit, data, e->free.rms_N);
+    if (!status) {
+        const palp_model was = e->model;
+        e->free.n = fit->n_terms;
+        e->free.after_N = explain_fitted_rms(data, residual);
+        e->model = fit->c.model;
+        e->model.material.law.strain_max = was.material.law.strain_max;
+        e->model.between = was.between;
+        e->model.n_specimens = was.n_specimens;
+    }
+    free(residual);
+    return status;
+}
+
+/* The effect that would come nearest, of those that were not accepted. */
+static palp_effect_id find_nearest(const palp_explanation *e) {
+    palp_effect_id best = PALP_EFFECT_COUNT;
+    double score = 0.0;
+    for (size_t k = 0; k < e->n_candidates; k++)
+        if (!e->candidate[k].accepted && e->candidate[k].score > score) {
+            score = e->candidate[k].score;
+            best = e->candidate[k].id;
+        }
+    return best;
+}
+
+/* From the fit at hand without its discrepancy. */
+static palp_status begin(const infer_search *s, infer_fit *fit) {
+    enum { ROUNDS = 6, EVALUATIONS = 25 };
+    palp_status status = infer_without_discrepancy(s, fit);
+    if (status)
+        return status;
+    fit->free = true;
+    fit->plain = false;
+    status = learn(fit, &s->data, ROUNDS, EVALUATIONS);
+    if (status)
+        infer_fit_free(fit);
+    return status;
+}
+
+palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
+    infer_fit without = {.raw = NULL};
+    double evidence[PALP_FREE_TERMS];
+    bool found = true, better = false;
+    e->free.resembles = PALP_EFFECT_COUNT;
+    if (s->data.law_alone)
+        return PALP_OK;
+    terms *t = calloc(1, sizeof *t);
+    if (!t)
+        return PALP_ERR_NO_MEMORY;
+    t->s = s;
+    palp_status status = begin(s, &t->fit);
+    if (!status)
+        status = infer_fit_copy(&t->fit, &s->data, &without);
+    while (!status && found && t->fit.n_terms < PALP_FREE_TERMS)
+        status = add_term(t, &found);
+    if (!status && t->fit.n_terms > 0)
+        status = infer_fit_converge(&t->fit, &s->data);
+    if (!status)
+        status = drop_uncertain(&t->fit, s, evidence);
+    if (!status && t->fit.n_terms > 0)
+        status = confirm(&t->fit, &without, s, &e->free, &better);
+    if (!status && !better)
+        e->free = (palp_explain_free){.resembles = PALP_EFFECT_COUNT};
+    if (!status && better) {
+        memcpy(e->free.evidence, evidence, sizeof evidence);
+        e->free.resembles = find_nearest(e);
+        status = write_model(&t->fit, s, e);
+        e->verdict = PALP_EXPLAIN_UNEXPLAINED;
+    }
+    if (t->fit.raw)
+        infer_fit_free(&t->fit);
+    if (without.raw)
+        infer_fit_free(&without);
+    free(t);
+    return status;
+}

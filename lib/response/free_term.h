@@ -1,0 +1,22 @@
+/* free_term.h: the splines of which a free term is a sum, and where on their grid a path is. Internal. */
+#ifndef RESPONSE_FREE_TERM_H
+#define RESPONSE_FREE_TERM_H
+
+#include <palpate/forward.h>
+
+enum { FREE_BENDS = PALP_FREE_NODES * PALP_FREE_NODES };
+
+/* Second derivatives at the nodes, bend[node NODES + function], of the natural cubic splines that are 1 at
+ * one node and 0 at the others. */
+void free_term_bends(double bend[FREE_BENDS]);
+
+/* Values, times size, of all functions at this share of the grid: column[a n + i] of function a. */
+void free_term_hats(const double bend[FREE_BENDS], double at, double size, size_t n, size_t i,
+                    double *column);
+
+/* at[n]: share of the grid from 0 to 1; weight[n]: by which the table is multiplied, 0 where it does not act.
+ */
+palp_status free_term_place(const palp_free_term *term, size_t n, const double *time, const double *depth,
+                            double height, double session, double *at, double *weight);
+
+#endif

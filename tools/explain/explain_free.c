@@ -1,0 +1,95 @@
+/* explain_free.c: free terms, which no effect of the catalogue describes, as JSON and in sentences. */
+#include "explain.h"
+#include "shared/json_out.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a kind runs over, in words and in the unit of the result. */
+static const struct {
+    const char *words, *unit;
+    double size;
+} kinds[PALP_FREE_KINDS] = {
+    {"the strain on the way in", "1", 1},
+    {"the strain on the way out", "1", 1},
+    {"the time in a dwell, in proportion to the depth", "s", 1},
+    {"the time in the run", "s", 1},
+    {"the time in the run, early in it", "s", 1},
+    {"the time in the run, in proportion to the depth", "s", 1},
+    {"the speed", "mm/s", 1e-3},
+    {"the speed, in proportion to the depth", "mm/s", 1e-3},
+    {"the way since the plate turned, in proportion to the depth", "mm", 1e-3},
+    {"the time in the session", "s", 1},
+    {"the place of the plate", "mm", 1e-3},
+};
+
+static json_t *term_json(const palp_explanation *e, size_t i) {
+    enum { N = PALP_FREE_NODES };
+    const palp_free_term *t = &e->model.free_term[i];
+    double at[N], low[N], high[N];
+    for (size_t a = 0; a < N; a++) {
+        at[a] = palp_free_term_coordinate(t, (double)a / (N - 1)) / kinds[t->kind].size;
+        low[a] = t->force_N[a] - 1.96 * t->sd_N[a];
+        high[a] = t->force_N[a] + 1.96 * t->sd_N[a];
+    }
+    json_t *term = json_pack("{s:s, s:s, s:s}", "depends_on", palp_free_kind_name(t->kind), "class",
+                             palp_free_class_name(t->does), "unit", kinds[t->kind].unit);
+    json_object_set_new(term, "at", json_numbers(N, at));
+    json_object_set_new(term, "force_N", json_numbers(N, t->force_N));
+    json_object_set_new(term, "low_N", json_numbers(N, low));
+    json_object_set_new(term, "high_N", json_numbers(N, high));
+    json_figures(term, {"evidence", e->free.evidence[i]}, {"rms_N", e->free.rms_N[i]});
+    return term;
+}
+
+json_t *explain_free(const palp_explanation *e) {
+    const palp_explain_free *f = &e->free;
+    json_t *all = json_object(), *terms = json_array();
+    for (size_t i = 0; i < f->n; i++)
+        json_array_append_new(terms, term_json(e, i));
+    json_object_set_new(
+        all, "resembles",
+        f->resembles == PALP_EFFECT_COUNT ? json_null() : json_string(palp_effect_look_up(f->resembles)->id));
+    json_figures(all, {"heldout_before_N", f->heldout_before_N}, {"heldout_after_N", f->heldout_after_N},
+                 {"noise_level_N", f->noise_level_N}, {"closed", f->closed}, {"after_N", f->after_N});
+    json_object_set_new(all, "terms", terms);
+    return all;
+}
+
+static const char *words_of(const char *name) {
+    for (int k = 0; k < PALP_FREE_KINDS; k++)
+        if (strcmp(palp_free_kind_name((palp_free_kind)k), name) == 0)
+            return kinds[k].words;
+    return name;
+}
+
+void explain_free_say(json_t *story, const json_t *all) {
+    enum { LINE = 512 };
+    const json_t *free_term = json_object_get(all, "free_term"), *terms = json_object_get(free_term, "terms"),
+                 *one;
+    const char *resembles = json_text_at(free_term, "resembles");
+    palp_effect_id id;
+    char line[LINE];
+    for (size_t i = 0; (one = json_array_get(terms, i)) != NULL; i++) {
+        snprintf(line, LINE,
+                 "The model that is written has a free term of %s: %s, %.3g N, rms, evidence %.3g nats.",
+                 words_of(json_text_at(one, "depends_on")), json_text_at(one, "class"),
+                 json_number_at(one, "rms_N"), json_number_at(one, "evidence"));
+        json_array_append_new(story, json_text(line));
+    }
+    if (!json_is_object(free_term))
+        return;
+    if (json_number_at(free_term, "heldout_before_N") > 0) {
+        snprintf(
+            line, LINE,
+            "With it recorded minus model in experiments left out goes from %.3g to %.3g N, rms: %.0f %% "
+            "of the gap.",
+            json_number_at(free_term, "heldout_before_N"), json_number_at(free_term, "heldout_after_N"),
+            100 * json_number_at(free_term, "closed"));
+        json_array_append_new(story, json_text(line));
+    }
+    if (!palp_effect_parse(resembles, &id)) {
+        snprintf(line, LINE, "It resembles %s, but its form differs.", palp_effect_look_up(id)->name);
+        json_array_append_new(story, json_text(line));
+    }
+}
