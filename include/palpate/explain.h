@@ -142,6 +142,11 @@ typedef struct palp_explain_free {
     double noise_level_N;                     /* beside the terms */
     double closed;                            /* share of heldout_before_N above that noise */
     double after_N;                           /* what the model with them leaves, as gap.after_N */
+    double scale_N;                           /* r.m.s. of the forces */
+    /* What the runs alone say of the table of each, all else integrated out: precision, and precision times
+     * the best table. */
+    double information[PALP_FREE_TERMS][PALP_FREE_NODES * PALP_FREE_NODES],
+        pull[PALP_FREE_TERMS][PALP_FREE_NODES];
 } palp_explain_free;
 
 /* How the specimens of the runs differ, which their files name; model has it as the spread between specimens
@@ -323,6 +328,42 @@ PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
                                            const palp_explain_settings *settings,
                                            const palp_explain_choice *choice, palp_specimens_fit *fit,
                                            palp_error *error);
+
+/* A form of one shape p over x, which is what a term depends on over the largest of it on its grid. */
+typedef enum palp_formula_form {
+    PALP_FORM_POWER,       /* |x|^p, with the sign of x */
+    PALP_FORM_EXPONENTIAL, /* exp(-|x| / p), with the sign of x where x has both */
+    PALP_FORM_HINGE,       /* max(0, |x| - p), with the sign of x */
+    PALP_FORM_SATURATION,  /* x / (|x| + p) */
+    PALP_FORMS
+} palp_formula_form;
+
+enum { PALP_FORMULA_PARTS = 3 };
+
+/* A sum of few forms, each times a force in N. Intervals are 95 %. */
+typedef struct palp_formula {
+    size_t n;     /* 0: no sum of these forms is more probable than nothing */
+    double scale; /* the largest of what the term depends on: strain, s, m/s or m */
+    struct {
+        palp_formula_form form;
+        double force_N, force_low_N, force_high_N, shape, shape_low, shape_high;
+    } part[PALP_FORMULA_PARTS];
+    double evidence;      /* over no force at all, nats */
+    double evidence_over; /* over the best formula whose last part is another; HUGE_VAL: there is none */
+} palp_formula;
+
+PALP_API const char *palp_formula_form_name(palp_formula_form form); /* "power", ... */
+
+/* The most probable sparse sum for a term: parts are added as long as one gains more than the threshold of
+ * false_alarm, less the logarithm of the number of forms. The prior of a force is normal, of sd scale_N, that
+ * of a shape even over its grid. information, pull: as palp_explain_free has them. ERR_ARGUMENT: no term, or
+ * false_alarm not between 0 and 1. */
+PALP_API palp_status palp_formula_find(const palp_free_term *term, const double *information,
+                                       const double *pull, double scale_N, double false_alarm,
+                                       palp_formula *formula);
+
+/* Its force in N at what the term depends on, in SI units. */
+PALP_API double palp_formula_force(const palp_formula *formula, double at);
 
 #ifdef __cplusplus
 }

@@ -260,9 +260,35 @@ static palp_free_class class_of(const infer_fit *fit, size_t d) {
     return even > odd ? PALP_FREE_ELASTIC : classes[kind];
 }
 
+/* What the runs alone say of term d's table, from its posterior covariance: its precision less the prior's.
+ */
+static palp_status take_information(const infer_fit *fit, const infer_posterior *p, size_t d,
+                                    palp_explain_free *out) {
+    enum { N = INFER_NODES };
+    double covariance[N * N], prior[N * N] = {0.0}, *unit = calloc(p->g * N, sizeof *unit);
+    if (!unit)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t a = 0; a < N; a++)
+        unit[a * p->g + d * N + a] = 1.0;
+    dense_forward(p->g, p->factor, N, unit);
+    dense_transposed_product(N, N, p->g, unit, unit, covariance);
+    free(unit);
+    if (!dense_cholesky(N, covariance))
+        return PALP_ERR_SINGULAR;
+    double *information = out->information[d];
+    for (size_t a = 0; a < N; a++)
+        information[a * (N + 1)] = 1.0;
+    dense_cholesky_solve(N, covariance, N, information);
+    dense_times(N, N, 1.0, information, p->mean + d * N, 0.0, out->pull[d]);
+    infer_hats_precision(fit->sizes.common[d], N, prior);
+    for (size_t i = 0; i < N * N; i++)
+        information[i] -= prior[i];
+    return PALP_OK;
+}
+
 /* Tables and bands of the posterior into fit->term, and what of a common term the law follows into the
  * law. */
-static palp_status take_tables(infer_fit *fit, const explain_data *data) {
+static palp_status take_tables(infer_fit *fit, const explain_data *data, palp_explain_free *out) {
     enum { N = INFER_NODES };
     infer_posterior p;
     palp_status status = infer_posterior_find(fit, data, &p);
@@ -278,6 +304,8 @@ static palp_status take_tables(infer_fit *fit, const explain_data *data) {
             fit->term[d].force_N[a] = none ? 0.0 : p.mean[d * N + a];
             fit->term[d].sd_N[a] = none ? 0.0 : infer_tail_widening(fit) * sqrt(dense_dot(p.g, unit, unit));
         }
+    for (size_t d = 0; d < fit->n_terms && !status; d++)
+        status = take_information(fit, &p, d, out);
     for (size_t d = 0; d < fit->n_terms; d++)
         fit->term[d].does = class_of(fit, d);
     for (size_t a = 0; a < fit->k; a++)
@@ -285,7 +313,7 @@ static palp_status take_tables(infer_fit *fit, const explain_data *data) {
                                                                    infer_undone(&p, 0, INFER_HATS, a)));
     free(unit);
     infer_posterior_free(&p);
-    return explain_fit_to_model(&fit->c);
+    return status ? status : explain_fit_to_model(&fit->c);
 }
 
 /* rms of each term over the samples. */
@@ -311,7 +339,7 @@ static palp_status find_rms(const infer_fit *fit, const explain_data *data, doub
 static palp_status write_model(infer_fit *fit, const infer_search *s, palp_explanation *e) {
     enum { ROUNDS = 3 };
     const explain_data *data = &s->data;
-    palp_status status = take_tables(fit, data);
+    palp_status status = take_tables(fit, data, &e->free);
     if (status)
         return status;
     fit->c.model.n_free = fit->n_terms;
@@ -331,6 +359,10 @@ static palp_status write_model(infer_fit *fit, const infer_search *s, palp_expla
     if (!status) {
         const palp_model was = e->model;
         e->free.n = fit->n_terms;
+        double squares = 0.0;
+        for (size_t r = 0; r < data->n_runs; r++)
+            squares += dense_dot(data->run[r].n, data->run[r].force, data->run[r].force);
+        e->free.scale_N = sqrt(squares / (double)data->n);
         e->free.after_N = explain_fitted_rms(data, residual);
         e->model = fit->c.model;
         e->model.material.law.strain_max = was.material.law.strain_max;

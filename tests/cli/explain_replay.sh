@@ -26,7 +26,10 @@ own() {
               print a[0, 3] / a[0, 0], g, a[2, 3] / a[2, 2] / g, a[3, 3], n }'
 }
 
-# replay NAME RUN...: of NAME.json and NAME.out
+# in_free FILE KEY: the number of that key in the free terms
+in_free() { sed -n '/"free_term"/,$p' "$1" >free && value free "$2"; }
+
+# replay NAME RUN...: of NAME.json and NAME.out, its free terms too
 replay() {
     name=$1
     shift
@@ -43,7 +46,7 @@ replay() {
     done
     near "$name: gains of the replay" "$(awk '{ g += $2 } END { print g / NR }' own)" 1 0.01
     near "$name: what the replay leaves" "$(awk '{ s += $4; n += $5 } END { print sqrt(s / n) }' own)" \
-        "$(value $name.out after_N)" 0.05
+        "$(if grep -q '"free_term"' $name.out; then in_free $name.out after_N; else value $name.out after_N; fi)" 0.05
 }
 
 # model COEFFICIENTS EFFECTS >FILE
@@ -55,15 +58,17 @@ model() {
 J
 }
 
-# runs NAME: presses, then zeros, gains and contacts of their own
+# runs NAME [N]: presses, then zeros, gains and contacts of their own, and a zero that settles alike by N newtons
 runs() {
     n=0
+    settles=${2-0}
     for press in "4 1 0.03 1.03 0.05" "6 2 -0.01 0.98 -0.04" "7 0.5 0.02 1.01 0.02" "5 1 -0.03 0.97 -0.06"; do
         set -- "$1" $press
         n=$((n + 1))
         expect 0 simulate true.json --protocol ramp_hold --depth-mm $2 --ramp-s $3 --hold-s 20 --sample-Hz 40 \
             --air-s 3 --noise-N 0.004 --seed $n --out plain.csv
-        awk -F, -v z=$4 -v g=$5 -v c=$6 '/^[-0-9]/ { printf "%s,%.9g,%.9g\n", $1, $2 + c, z + g * $3; next } { print }' \
+        awk -F, -v z=$4 -v g=$5 -v c=$6 -v s=$settles '
+            /^[-0-9]/ { printf "%s,%.9g,%.9g\n", $1, $2 + c, z + g * $3 + s * exp(-$1 / 2); next } { print }' \
             plain.csv >$1$n.csv
         rm plain.csv
     done
@@ -83,4 +88,16 @@ runs lag
 expect 0 explain --model guess.json lag?.csv --result lag.out --out lag.json
 grep -q '"id": "sensor_lag"' lag.json || fail "a lag: $(cat out)"
 replay lag lag?.csv
+grep -q '"free_term"' law.out lag.out && fail "a free term where nothing is missing"
+
+# What is in no catalogue: the zero of each run settles alike. The model has it as a function of the time in the run,
+# and the gap on runs left out is closed.
+model "8.2, 3.1" "" >true.json
+runs free 0.05
+expect 0 explain --model guess.json free?.csv --candidates sensor_drift,sensor_lag,coulomb_friction --result free.out --out free.json
+grep -q '"verdict": "unexplained"' free.out || fail "a zero that settles: $(cat out)"
+grep -q '"class": "of the clock"' free.out || fail "no term of the clock: $(cat out)"
+grep -q '"model": 3' free.json || fail "the version of a model with a free term"
+near "share of the gap that it closes" "$(in_free free.out closed)" 1 0.2
+replay free free?.csv
 done_testing

@@ -50,6 +50,8 @@ static int parse(int argc, char **argv, explain_options *o) {
         cli_number("good-enough", "PERCENT", 0, 100, &o->good_enough,
                    "practical limit, of the largest force: what is less is neither named nor missed\n"
                    "(default 0: none)"),
+        cli_flag("sparse", &o->sparse,
+                 "a formula for each free term, of powers, exponentials, hinges and saturations"),
         cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
         cli_heading("Limits of the next experiment"),
         cli_positive("next-depth-mm", "MM", 1000, &o->limits.depth_m,

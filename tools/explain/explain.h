@@ -17,7 +17,7 @@ typedef struct explain_options {
     int contact;                              /* a palp_contact_form */
     double false_alarm, good_enough;
     palp_explain_limits limits; /* in mm and mm/s */
-    bool json, simulated;
+    bool json, simulated, sparse;
     size_t n_simulated;
     const char *simulated_files[EXPLAIN_RUNS_MAX]; /* [n_simulated] */
     size_t simulated_of[EXPLAIN_RUNS_MAX]; /* [n_words] the one of each run; n_simulated: it has none */
@@ -37,8 +37,9 @@ json_t *explain_profile(const palp_explanation *e);
 /* Amplitudes of waves in it over time and over depth. (explain_spectrum.c) */
 json_t *explain_spectrum(const palp_explanation *e);
 
-/* The free terms: tables with their bands; NULL: there are none. And in sentences. (explain_free.c) */
-json_t *explain_free(const palp_explanation *e);
+/* The free terms: tables with their bands, with o->sparse their formulas. And in sentences. (explain_free.c)
+ */
+json_t *explain_free(const explain_options *o, const palp_explanation *e);
 void explain_free_say(json_t *story, const json_t *all);
 
 /* The next experiment as a protocol file. */

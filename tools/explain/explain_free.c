@@ -42,11 +42,55 @@ static json_t *term_json(const palp_explanation *e, size_t i) {
     return term;
 }
 
-json_t *explain_free(const palp_explanation *e) {
+/* "0.31 N exp(-|x| / 1.2 s)" with what x is; and its constants with their intervals. */
+static json_t *formula_json(const palp_free_term *t, const palp_formula *f) {
+    enum { LINE = 160 };
+    const char *unit = strcmp(kinds[t->kind].unit, "1") ? kinds[t->kind].unit : "";
+    const double scale = f->scale / kinds[t->kind].size;
+    char text[PALP_FORMULA_PARTS * LINE] = "";
+    json_t *parts = json_array(), *all = json_object();
+    for (size_t i = 0; i < f->n; i++) {
+        const bool power = f->part[i].form == PALP_FORM_POWER, hinge = f->part[i].form == PALP_FORM_HINGE;
+        const double by = power ? 1 : scale, shape = by * f->part[i].shape, force = f->part[i].force_N,
+                     per = hinge ? scale : 1, /* a hinge has a slope */
+            force_of[2] = {f->part[i].force_low_N / per, f->part[i].force_high_N / per},
+                     shape_of[2] = {by * f->part[i].shape_low, by * f->part[i].shape_high};
+        char one[LINE];
+        if (power)
+            snprintf(one, LINE, "%.4g N sign(x) |x / %.4g %s|^%.3g", force, scale, unit, shape);
+        else if (hinge)
+            snprintf(one, LINE, "%.4g N/%s sign(x) max(0, |x| - %.4g %s)", force / per, *unit ? unit : "1",
+                     shape, unit);
+        else
+            snprintf(one, LINE,
+                     f->part[i].form == PALP_FORM_EXPONENTIAL ? "%.4g N exp(-|x| / %.4g %s)"
+                                                              : "%.4g N x / (|x| + %.4g %s)",
+                     force, shape, unit);
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%s%s", i ? " + " : "", one);
+        json_t *part = json_pack("{s:s}", "form", palp_formula_form_name(f->part[i].form));
+        json_figures(part, {"force_N", force / per}, {"shape", shape});
+        json_object_set_new(part, "force_interval", json_numbers(2, force_of));
+        json_object_set_new(part, "shape_interval", json_numbers(2, shape_of));
+        json_array_append_new(parts, part);
+    }
+    json_object_set_new(all, "text", json_text(text));
+    json_object_set_new(all, "parts", parts);
+    json_figures(all, {"evidence", f->evidence}, {"evidence_over_next", f->evidence_over});
+    return all;
+}
+
+json_t *explain_free(const explain_options *o, const palp_explanation *e) {
     const palp_explain_free *f = &e->free;
     json_t *all = json_object(), *terms = json_array();
-    for (size_t i = 0; i < f->n; i++)
-        json_array_append_new(terms, term_json(e, i));
+    for (size_t i = 0; i < f->n; i++) {
+        json_t *term = term_json(e, i);
+        palp_formula formula;
+        if (o->sparse && !palp_formula_find(&e->model.free_term[i], f->information[i], f->pull[i], f->scale_N,
+                                            o->false_alarm, &formula))
+            json_object_set_new(term, "formula",
+                                formula.n ? formula_json(&e->model.free_term[i], &formula) : json_null());
+        json_array_append_new(terms, term);
+    }
     json_object_set_new(
         all, "resembles",
         f->resembles == PALP_EFFECT_COUNT ? json_null() : json_string(palp_effect_look_up(f->resembles)->id));
@@ -63,6 +107,27 @@ static const char *words_of(const char *name) {
     return name;
 }
 
+static void say_formula(json_t *story, const json_t *formula) {
+    enum { LINE = 640 };
+    const json_t *part, *list = json_object_get(formula, "parts");
+    char line[LINE];
+    if (json_is_null(formula))
+        json_array_append_new(story, json_text("No sum of the known forms describes it."));
+    if (!json_is_object(formula))
+        return;
+    snprintf(line, LINE, "Its formula over x is %s.", json_text_at(formula, "text"));
+    json_array_append_new(story, json_text(line));
+    for (size_t i = 0; (part = json_array_get(list, i)) != NULL; i++) {
+        const json_t *force = json_object_get(part, "force_interval"),
+                     *shape = json_object_get(part, "shape_interval");
+        snprintf(line, LINE, "The 95 %% intervals of its %s are %.4g to %.4g N and %.4g to %.4g.",
+                 json_text_at(part, "form"), json_number_value(json_array_get(force, 0)),
+                 json_number_value(json_array_get(force, 1)), json_number_value(json_array_get(shape, 0)),
+                 json_number_value(json_array_get(shape, 1)));
+        json_array_append_new(story, json_text(line));
+    }
+}
+
 void explain_free_say(json_t *story, const json_t *all) {
     enum { LINE = 512 };
     const json_t *free_term = json_object_get(all, "free_term"), *terms = json_object_get(free_term, "terms"),
@@ -76,6 +141,7 @@ void explain_free_say(json_t *story, const json_t *all) {
                  words_of(json_text_at(one, "depends_on")), json_text_at(one, "class"),
                  json_number_at(one, "rms_N"), json_number_at(one, "evidence"));
         json_array_append_new(story, json_text(line));
+        say_formula(story, json_object_get(one, "formula"));
     }
     if (!json_is_object(free_term))
         return;

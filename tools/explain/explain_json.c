@@ -274,7 +274,7 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
     add_law(root, e);
     add_discrepancy(root, e);
     if (e->free.n > 0)
-        json_object_set_new(root, "free_term", explain_free(e));
+        json_object_set_new(root, "free_term", explain_free(o, e));
     json_figures(root, {"null_threshold", e->null_threshold});
     json_object_set_new(root, "phase_shares", phase_shares_json(e));
     json_object_set_new(root, "profile", explain_profile(e));

@@ -93,6 +93,11 @@ void truth_line(FILE *f, const truth *t) {
     else
         effect_line(f, t, t->effect);
     fprintf(f, ", \"outside\": \"%s\", \"nats\": %.4g, ", outside[t->outside], t->evidence);
+    if (t->outside == EACH_WARM_UP)
+        fprintf(f, "\"form\": {\"form\": \"exponential\", \"shape\": %.6g}, ",
+                60 * t->solid.outside_place / t->lab->Hz);
+    if (t->outside == DAMPER)
+        fprintf(f, "\"form\": {\"form\": \"power\", \"shape\": 0.4}, ");
     cosine_line(f, t->cosine);
     if (t->second != EFFECTS) {
         fprintf(f, ", \"second\": {\"effect\": ");

@@ -70,7 +70,7 @@ double outside_force(const solid *s, const run *r, outside_memory *m, double t, 
         m->lag += change - fabs(change) * m->lag;
         return force + 0.2 * size * s->size * m->lag;
     case CURING:
-        return force * (1 + size * t / length_of(r));
+        return force * (1 + size * t * r->Hz / 600);
     case POSITION:
         return force * (1 + 0.3 * size * sin(1.5 * two_pi * depth));
     case GRIP:
@@ -81,10 +81,10 @@ double outside_force(const solid *s, const run *r, outside_memory *m, double t, 
         m->swing += h * m->speed;
         return force + 2 * size * s->size * m->swing;
     case EACH_WARM_UP:
-        return force + 0.3 * size * s->size * exp(-t / (0.1 * s->outside_place * length_of(r)));
+        return force + 0.3 * size * s->size * exp(-t * r->Hz / (60 * s->outside_place));
     case SLOW_ROOM:
         return force +
-               0.3 * size * s->size * sin(two_pi * (r->session + t) / (12 * s->outside_place * length_of(r)));
+               0.3 * size * s->size * sin(two_pi * (r->session + t) * r->Hz / (8000 * s->outside_place));
     case DAMPER:
         return force + 0.1 * size * s->size * copysign(pow(fabs(speed), 0.4), speed);
     case WALL:

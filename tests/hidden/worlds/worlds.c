@@ -17,9 +17,10 @@ typedef struct share {
 
 static share share_of(const lab *l, const char *set) {
     bool quick = strcmp(set, "quick") == 0;
-    if (strcmp(set, "outside") == 0) /* each kind in two laboratories, with nulls */
-        return l->protocol == RICH && l->header == FULL ? (share){{5, 0, 0, 0, ALL_OUTSIDES - OUTSIDES}}
-                                                        : (share){{0, 0, 0, 0, 0}};
+    if (strcmp(set, "outside") == 0) /* of the laboratories whose files say when a run began */
+        return l->protocol == RICH && l->header == FULL && l->Hz < 1000 && !(l->differ > 0)
+                   ? (share){{3, 0, 0, 0, ALL_OUTSIDES - OUTSIDES}}
+                   : (share){{0, 0, 0, 0, 0}};
     if (l->other != (strcmp(set, "testers") == 0))
         return (share){{0, 0, 0, 0, 0}};
     if (l->other)

@@ -1,5 +1,5 @@
-/* test_free_term.c: free terms: along a path, in a model file, and their posterior against the dense formula
- * of a Gaussian process. */
+/* test_free_term.c: free terms: along a path, in a model file, their posterior against the dense formula of a
+ * Gaussian process. */
 #define _POSIX_C_SOURCE 200809L
 #include "scratch.h"
 #include "base/dense.h"
@@ -217,10 +217,87 @@ START_TEST(its_posterior_is_that_of_a_gaussian_process) {
 }
 END_TEST
 
+/* What runs say of a table that they measure at each place with this sd, but for a constant if it is theirs.
+ */
+static void measure(const double table[N], double sd, bool free_constant, double information[N * N],
+                    double pull[N]) {
+    for (size_t a = 0; a < N; a++) {
+        pull[a] = 0;
+        for (size_t b = 0; b < N; b++) {
+            information[a * N + b] = ((a == b ? 1.0 : 0.0) - (free_constant ? 1.0 / N : 0.0)) / (sd * sd);
+            pull[a] += information[a * N + b] * table[b];
+        }
+    }
+}
+
+START_TEST(a_formula_is_found_again) {
+    static const struct {
+        palp_free_kind kind;
+        double from, to;
+        palp_formula_form form;
+        double force, shape, sd; /* shape over the largest place */
+    } cases[] = {
+        {PALP_FREE_SPEED, -3, 3, PALP_FORM_POWER, 0.2, 0.4, 2e-3},
+        {PALP_FREE_EARLY, -3, 3, PALP_FORM_EXPONENTIAL, 0.3, 0.06, 4e-3},
+        {PALP_FREE_LOADING, 0, 0.3, PALP_FORM_HINGE, -0.5, 0.4, 4e-3},
+        {PALP_FREE_PLACE, -2e-3, 5e-3, PALP_FORM_SATURATION, 0.3, 0.1, 2e-3},
+    };
+    uint64_t noise = 8;
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        palp_free_term t = term_of(cases[c].kind, cases[c].from, cases[c].to);
+        palp_formula truth = {.n = 1, .scale = 0}, found;
+        double table[N], information[N * N], pull[N];
+        for (size_t a = 0; a < N; a++)
+            truth.scale = fmax(truth.scale, fabs(palp_free_term_coordinate(&t, (double)a / (N - 1))));
+        truth.part[0].form = cases[c].form;
+        truth.part[0].force_N = cases[c].force;
+        truth.part[0].shape = cases[c].shape;
+        for (size_t a = 0; a < N; a++)
+            table[a] = palp_formula_force(&truth, palp_free_term_coordinate(&t, (double)a / (N - 1))) +
+                       cases[c].sd * palp_random_normal(&noise);
+        measure(table, cases[c].sd, cases[c].kind != PALP_FREE_LOADING, information, pull);
+        ck_assert_int_eq(palp_formula_find(&t, information, pull, 1, 0.05, &found), PALP_OK);
+        ck_assert_uint_eq(found.n, 1);
+        ck_assert_int_eq(found.part[0].form, cases[c].form);
+        ck_assert_double_gt(found.evidence, 20);
+        ck_assert_double_gt(found.evidence_over, 0);
+        ck_assert_double_ge(cases[c].shape, found.part[0].shape_low - 0.02 * cases[c].shape);
+        ck_assert_double_le(cases[c].shape, found.part[0].shape_high + 0.02 * cases[c].shape);
+        ck_assert_double_ge(cases[c].force, found.part[0].force_low_N);
+        ck_assert_double_le(cases[c].force, found.part[0].force_high_N);
+    }
+}
+END_TEST
+
+START_TEST(noise_has_no_formula) {
+    const palp_free_term t = term_of(PALP_FREE_SPEED, -3, 3);
+    uint64_t noise = 5;
+    size_t named = 0;
+    for (int k = 0; k < 100; k++) {
+        double table[N], information[N * N], pull[N];
+        palp_formula found;
+        for (size_t a = 0; a < N; a++)
+            table[a] = 0.01 * palp_random_normal(&noise);
+        measure(table, 0.01, true, information, pull);
+        ck_assert_int_eq(palp_formula_find(&t, information, pull, 1, 0.05, &found), PALP_OK);
+        named += found.n > 0;
+    }
+    ck_assert_uint_le(named, 5);
+    palp_formula none;
+    double zero[N * N] = {0};
+    ck_assert_int_eq(palp_formula_find(&t, zero, zero, 1, 0.05, &none), PALP_OK);
+    ck_assert_uint_eq(none.n, 0);
+    ck_assert_int_eq(palp_formula_find(&t, zero, zero, 1, 1, &none), PALP_ERR_ARGUMENT);
+    ck_assert_str_eq(palp_formula_form_name(PALP_FORMS), "unknown");
+}
+END_TEST
+
 void tests(TCase *tc) {
     tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
     tcase_add_test(tc, a_line_is_followed_by_each_kind);
     tcase_add_test(tc, a_wrong_term_is_refused);
     tcase_add_test(tc, a_model_keeps_its_terms);
+    tcase_add_test(tc, a_formula_is_found_again);
+    tcase_add_test(tc, noise_has_no_formula);
     tcase_add_test(tc, its_posterior_is_that_of_a_gaussian_process);
 }
