@@ -29,7 +29,6 @@ typedef struct next_cause {
     double probability;
     double *force; /* [n EXPLAIN_PATH] that it predicts */
     infer_fit fit; /* with the columns of the possible runs */
-    double chi2;   /* of the measured runs */
     double *other; /* [CAUSES n m] products of the residuals with the columns, if that cause is true */
 } next_cause;
 
@@ -145,16 +144,13 @@ static palp_status predict(next_runs *next, next_cause *cause) {
     return cause->force ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-/* How the possible runs would differ from what one cause predicts if the others are true. */
+/* How the possible runs would differ from what one cause predicts if the others are true: by nothing if it is
+ * true itself. */
 static palp_status compare(next_runs *next, next_class *all, size_t i) {
     next_cause *c = &all->cause[i];
     const size_t m = c->fit.m, last = m - 1;
-    infer_posterior p = {.memory = NULL};
     c->other = calloc(all->n * next->n * m + 1, sizeof *c->other);
-    palp_status status = c->other ? infer_posterior_find(&c->fit, &next->data, &p) : PALP_ERR_NO_MEMORY;
-    c->chi2 = status ? 0.0 : p.chi2;
-    if (c->other)
-        infer_posterior_free(&p);
+    palp_status status = c->other ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t j = 0; j < all->n && !status; j++) {
         if (j == i)
             continue;
@@ -167,9 +163,9 @@ static palp_status compare(next_runs *next, next_class *all, size_t i) {
     return status;
 }
 
-/* Expected log odds of cause j over cause i after the chosen runs and run k, if j is true: by how much chi2
- * of i then grows, its parameters and all that the runs have of their own refitted. */
-static palp_status find_nats(next_runs *next, next_class *all, size_t i, size_t j, size_t k, double *nats) {
+/* chi2 of cause i with the measured runs, the chosen ones and run k, if these record what cause j predicts;
+ * its parameters and all that the runs have of their own refitted. */
+static palp_status find_chi2(next_runs *next, next_class *all, size_t i, size_t j, size_t k, double *chi2) {
     next_cause *c = &all->cause[i];
     const size_t m = c->fit.m, last = m - 1;
     const bool was = next->chosen[k];
@@ -183,7 +179,7 @@ static palp_status find_nats(next_runs *next, next_class *all, size_t i, size_t 
             product[last * m + a] = product[a * m + last] = other[a];
     }
     palp_status status = infer_posterior_find(&c->fit, &next->data, &p);
-    *nats = status ? 0.0 : fmax(0.0, 0.5 * (p.chi2 - c->chi2));
+    *chi2 = status ? 0.0 : p.chi2;
     infer_posterior_free(&p);
     next->chosen[k] = was;
     return status;
@@ -203,16 +199,22 @@ static double information(const next_class *all, double nats[CAUSES][CAUSES]) {
     return sum;
 }
 
-/* The expected log odds after the chosen runs and run k, and what they tell. */
+/* The expected log odds after the chosen runs and run k, of cause j over cause i if j is true, and what they
+ * tell. */
 static palp_status weigh(next_runs *next, next_class *all, size_t k, double nats[CAUSES][CAUSES],
                          double *told) {
     palp_status status = PALP_OK;
-    for (size_t i = 0; i < all->n; i++)
+    for (size_t i = 0; i < all->n && !status; i++) {
+        double own, chi2;
+        status = find_chi2(next, all, i, i, k, &own);
         for (size_t j = 0; j < all->n && !status; j++) {
-            nats[i][j] = 0.0;
+            nats[i][j] = chi2 = 0.0;
             if (i != j)
-                status = find_nats(next, all, i, j, k, &nats[i][j]);
+                status = find_chi2(next, all, i, j, k, &chi2);
+            if (i != j && !status)
+                nats[i][j] = fmax(0.0, 0.5 * (chi2 - own));
         }
+    }
     *told = status ? 0.0 : information(all, nats);
     return status;
 }
