@@ -47,8 +47,8 @@ typedef struct palp_explain_settings {
     palp_explain_limits next;                   /* of the next experiment; all 0 */
     size_t n_held_out;                          /* runs kept out of the fit; 0 = each in turn */
     const size_t *held_out;                     /* [n_held_out] indices, caller's */
-    const palp_explain_input *simulated; /* NULL, or [n] what another program computed along the same paths,
-                                            for palp_explain; experiment NULL: nothing for this run */
+    const palp_explain_input *simulated; /* NULL, or of each run what another program computed along its path,
+                                            for palp_explain; experiment NULL: nothing of this one */
     palp_explain_loop *loop;             /* NULL = one after the other; the result is the same */
     void *loop_user;
     void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all.
