@@ -49,7 +49,10 @@ palp_status explain_stand_in(size_t n, const palp_explain_input *inputs,
         .height_m = first_length(n, inputs, "specimen.height_mm", TALL * deepest_of(count, simulated)),
         .radius_m = first_length(n, inputs, "specimen.radius_mm", 0.0)};
     const palp_explain_choice choice = {.most_arms = ARMS};
-    palp_status status = palp_explain_material(model, count, simulated, &own, &choice, &fit, error);
+    palp_status status = count > 0
+                             ? palp_explain_material(model, count, simulated, &own, &choice, &fit, error)
+                             : palp_error_set(error, PALP_ERR_INPUT, "%s: no simulated run goes with it",
+                                              inputs[0].name ? inputs[0].name : "run");
     if (!status) {
         palp_law *law = &model->material.law;
         model->material = fit.mean.material;

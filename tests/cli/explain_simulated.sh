@@ -95,6 +95,8 @@ expect 2 explain --simulated --model network.json sim/run_1.csv none/run_1.csv
 says "either --model MODEL.json or --simulated"
 expect 1 explain --simulated sim/run_1.csv none/run_1.csv none/run_2.csv
 says "none/run_2.csv: no simulated run goes with it"
+expect 1 explain --simulated sim/run_1.csv sim/run_2.csv none/run_1.csv
+says "sim/run_2.csv: no simulated run goes with it"
 mkdir -p other short broken
 stretch() { awk -F, -v by="$2" '/^[0-9]/ { printf "%s,%.9g,%s\n", $1, $2 * by, $3; next } { print }' "$1"; }
 stretch none/run_1.csv 1.1 >other/run_1.csv # the lumped model follows these forces: it knows what a path that differs changes

@@ -20,23 +20,21 @@ static size_t later_of_name(const explain_options *o, size_t i) {
 
 /* Of two words of one name the first is the simulated run. What has no other is a run without one. */
 static void pair_by_name(explain_options *o) {
-    const char *run[2 * EXPLAIN_RUNS_MAX];
-    size_t n = 0, of[2 * EXPLAIN_RUNS_MAX];
-    for (size_t i = 0; i < o->n_words; i++) {
-        const size_t first = earlier_of_name(o, i);
-        if (first == i && later_of_name(o, i) < o->n_words) {
+    size_t n = 0;
+    bool simulated[2 * EXPLAIN_RUNS_MAX];
+    for (size_t i = 0; i < o->n_words; i++)
+        simulated[i] = earlier_of_name(o, i) == i && later_of_name(o, i) < o->n_words;
+    for (size_t i = 0; i < o->n_words; i++)
+        if (simulated[i])
             o->simulated_files[o->n_simulated++] = o->words[i];
-            continue;
-        }
-        of[n] = first;
-        run[n++] = o->words[i];
-    }
-    for (size_t r = 0; r < n; r++) {
+    for (size_t i = 0; i < o->n_words; i++) {
         size_t k = 0;
-        while (k < o->n_simulated && (run[r] == o->words[of[r]] || o->simulated_files[k] != o->words[of[r]]))
+        while (k < o->n_simulated && strcmp(cli_base(o->simulated_files[k]), cli_base(o->words[i])) != 0)
             k++;
-        o->simulated_of[r] = k;
-        o->words[r] = run[r];
+        if (simulated[i])
+            continue;
+        o->simulated_of[n] = k;
+        o->words[n++] = o->words[i];
     }
     o->n_words = n;
 }
