@@ -15,7 +15,8 @@ PALP_API palp_status palp_vtu_open(const char *folder, const char *name, palp_vt
                                    palp_error *error);
 
 /* Writes the network's committed state as the next frame: displaced points, lines as cells, point
- * data "displacement" (m), cell data "strain" (1) and "force_N" (N, tension positive). */
+ * data "displacement" (m), cell data "strain" (1) and "force_N" (N, tension positive). Of a network in parts
+ * (palpate/ranks.h) each process writes one file, and the first a .pvtu of them; all call it. */
 PALP_API palp_status palp_vtu_add(palp_vtu *series, const palp_network *network, palp_error *error);
 
 /* Writes the .pvd (temporary name, then rename) and frees the series; NULL is fine. */

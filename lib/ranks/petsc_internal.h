@@ -41,6 +41,7 @@ typedef struct part {
     part_pair *pair;    /* [n_pairs] sorted */
     double *node_block; /* [9 n_nodes] */
 
+    PetscInt fresh;         /* iterations with a multigrid of the same tangent; 0 = make it anew */
     double residual, scale; /* of the last evaluation */
     bool indefinite;        /* conjugate gradients met a tangent that is not positive definite */
 } part;

@@ -103,6 +103,30 @@ static palp_status prepare(part *p, palp_network *net) {
     return status ? status : make_solver(p);
 }
 
+/* ---- the age of the multigrid -------------------------------------------------------------------- */
+
+/* A multigrid of an earlier tangent serves until it takes this many times the iterations of its first
+ * solution: making it costs as much as some twenty of them. It changes the work alone. */
+enum { WORN = 2 };
+
+static palp_status begin_solution(part *p, KSP ksp) {
+    TRY(SNESSetLagPreconditioner(p->snes, p->fresh > 0 ? -1 : -2));
+    TRY(KSPSetReusePreconditioner(ksp, p->fresh > 0 ? PETSC_TRUE : PETSC_FALSE));
+    return PALP_OK;
+}
+
+static palp_status end_solution(part *p, KSP ksp) {
+    KSPConvergedReason reason;
+    PetscInt iterations;
+    TRY(KSPGetIterationNumber(ksp, &iterations));
+    TRY(KSPGetConvergedReason(ksp, &reason));
+    if (p->fresh == 0)
+        p->fresh = iterations + 1;
+    else if (reason < 0 || iterations > WORN * p->fresh)
+        p->fresh = 0;
+    return PALP_OK;
+}
+
 /* ---- the network's calls ------------------------------------------------------------------------- */
 
 /* SNES from the positions in x. A tangent that is not positive definite stops conjugate gradients: FGMRES. */
@@ -113,7 +137,13 @@ static palp_status solve_from(part *p, SNESConvergedReason *reason, palp_step_in
     TRY(SNESGetKSP(p->snes, &ksp));
     TRY(KSPSetType(ksp, KSPCG));
     for (int i = 0; i < 2; i++) {
+        palp_status status = begin_solution(p, ksp);
+        if (status)
+            return status;
         TRY(SNESSolve(p->snes, NULL, p->x));
+        status = end_solution(p, ksp);
+        if (status)
+            return status;
         TRY(SNESGetConvergedReason(p->snes, reason));
         TRY(SNESGetIterationNumber(p->snes, &iterations));
         info->iterations += (int)iterations;
@@ -122,6 +152,7 @@ static palp_status solve_from(part *p, SNESConvergedReason *reason, palp_step_in
             break;
         p->indefinite = p->indefinite || linear == KSP_DIVERGED_INDEFINITE_MAT;
         TRY(KSPSetType(ksp, KSPFGMRES));
+        p->fresh = 0;
     }
     return PALP_OK;
 }
@@ -173,6 +204,9 @@ static palp_status solve_linear(part *p, double *x) {
     TRY(SNESGetKSP(p->snes, &ksp));
     TRY(KSPSetTolerances(ksp, PREDICTED, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
     TRY(give_unknowns(p, x, 1.0, p->f));
+    palp_status status = begin_solution(p, ksp);
+    if (status)
+        return status;
     TRY(KSPSolve(ksp, p->f, p->x));
     TRY(part_fetch(p, p->x));
     TRY(VecGetArrayRead(p->local, &at));
@@ -180,7 +214,7 @@ static palp_status solve_linear(part *p, double *x) {
         if (p->net->dof[i] >= 0)
             x[p->net->dof[i]] = at[i];
     TRY(VecRestoreArrayRead(p->local, &at));
-    return PALP_OK;
+    return end_solution(p, ksp);
 }
 
 void part_solve(network_ranks *ranks, palp_network *net, double *x) {
