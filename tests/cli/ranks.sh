@@ -4,7 +4,7 @@
 . tests/cli/common
 command -v mpirun >/dev/null || { echo "there is no mpirun"; exit 77; }
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
-export OMPI_MCA_hwloc_base_binding_policy=none
+export OMPI_MCA_hwloc_base_binding_policy=none OMPI_MCA_mpi_yield_when_idle=1
 
 model() { # name, nodes, arms
     cat >"$1.json" <<MODEL
@@ -89,6 +89,7 @@ refused 2 "solver does not go" simulate elastic.json --ranks 1 --protocol static
 refused 2 "need the fixed steps" simulate elastic.json --ranks 1 --protocol static --depth-mm 1 --restart state
 refused 2 "go with --ranks" simulate elastic.json --protocol static --depth-mm 1 --restart state
 refused 1 "another network" simulate elastic.json --ranks 1 --protocol static --depth-mm 1 --dt-ms 1000 --restart state
+refused 1 "another motion" simulate arms.json --ranks 1 --protocol ramp_hold --depth-mm 2 --hold-s 3 --dt-ms 250 --restart state
 head -c 3000 state >short
 # shellcheck disable=SC2086
 refused 1 "cut short" simulate arms.json --ranks 2 $press --restart short

@@ -4,19 +4,20 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 static const char NAME[] = "simulate";
 
-/* The number of processes that mpirun or srun started, or 0. */
-static long started_processes(void) {
-    static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE"};
+/* Did mpirun or srun start this process? */
+static bool is_started_by_mpi(void) {
+    static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"};
+    bool found = false;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-        if (getenv(names[i]))
-            return strtol(getenv(names[i]), NULL, 10);
-    return 0;
+        found = found || getenv(names[i]);
+    return found;
 }
 
 /* Becomes mpirun with this command; returns only if that is not possible. */
@@ -66,11 +67,10 @@ static int check(const simulate_options *o) {
 
 int simulate_ranks_start(int argc, char **argv, const simulate_options *o, simulation *s) {
     palp_error error = {PALP_OK, ""};
-    const long started = started_processes();
     int code = check(o);
     if (code || o->ranks == 0)
         return code;
-    if (palp_ranks_built() && started == 0 && o->ranks > 1)
+    if (palp_ranks_built() && !is_started_by_mpi() && o->ranks > 1)
         return become_mpirun(argc, argv, o);
     palp_status status = palp_ranks_start(&s->ranks, &error);
     if (status)
@@ -116,5 +116,13 @@ palp_status simulate_ranks_restore(const simulate_options *o, simulation *s, pal
     for (size_t i = 0; i + 2 < n && !status; i += 3)
         status = record_add(&s->curve, all[i], all[i + 1], all[i + 2]);
     free(all);
+    const size_t last = s->curve.n - 1;
+    if (!status && s->curve.n > 0 && s->path.depth_m &&
+        fabs(palp_path_at(&s->path, s->curve.time_s[last]) - s->curve.depth_m[last]) > 1e-9 * s->height_m) {
+        status = PALP_ERR_INPUT;
+        *error = (palp_error){.status = status};
+        snprintf(error->text, sizeof error->text, "%s: is the state of another motion of the plate",
+                 o->restart);
+    }
     return status;
 }
