@@ -31,7 +31,7 @@ static const subcommand subcommands[] = {
     {NULL, "reduce", "a small model of a large network, fast enough for a simulator's tick", cmd_reduce},
     {NULL, "explain", "find where a model and recordings disagree, and name the effect that is missing",
      cmd_explain},
-    {"Files", "export", "write a network for another solver (CalculiX)", cmd_export},
+    {"Files", "export", "write a model for another program (CalculiX, FEBio, MuJoCo ...)", cmd_export},
     {"Many runs", "batch", "run a command over many inputs, here or on many machines, into one table",
      cmd_batch},
     {NULL, "benchmark", "held-out errors of palpate and other programs on fixed splits, in one table",
