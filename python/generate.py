@@ -24,6 +24,8 @@ LENGTHS = {'palp_forward_run': {'time_s': 'n', 'depth_m': 'n'},
            'palp_recording': {'time_s': 'n', 'depth_m': 'n', 'force_N': 'n'},
            'palp_retardation': {'compliance_1_Pa': 'n', 'time_s': 'n'},
            'palp_moduli': {'arm_Pa': 'n_arms', 'tau_s': 'n_arms'},
+           'palp_solid': {'tau_s': 'n_arms', 'share': 'n_arms'},
+           'palp_solid_press': {'time_s': 'n', 'depth_m': 'n', 'force_N': 'n', 'use': 'n'},
            'palp_model': {'validity': 'n_validity'},
            'palp_explain_effect': {'alike': 'n_class'},
            'palp_effect_info': {'alike': 'n_alike'}}

@@ -65,7 +65,7 @@ typedef struct palp_solid_fit_info {
 
 PALP_API size_t palp_solid_count(palp_solid_law law); /* number of its coefficients */
 
-/* Shear modulus G, bulk modulus K and lambda at rest, relaxed, Pa. */
+/* Shear modulus G, bulk modulus K and lambda at rest, relaxed, Pa; 0 for NULL. */
 PALP_API double palp_solid_shear(const palp_solid *solid);
 PALP_API double palp_solid_bulk(const palp_solid *solid);
 PALP_API double palp_solid_lambda(const palp_solid *solid);

@@ -152,7 +152,7 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
     const size_t n = p->n_unknowns, count = palp_solid_count(p->solid.law);
     palp_solid solid = p->solid;
     from_unknowns(x, p->scale_Pa, &solid);
-    palp_status status = make_table(p, &solid, deepest_of(p->n_press, p->press), true);
+    palp_status status = make_table(p, &solid, deepest_of(p->n_press, p->press), p->body.stable);
     if (status)
         return status;
     memset(h, 0, n * n * sizeof *h);

@@ -15,6 +15,8 @@ size_t palp_solid_count(palp_solid_law law) {
 }
 
 double palp_solid_shear(const palp_solid *solid) {
+    if (!solid)
+        return 0.0;
     switch (solid->law) {
     case PALP_SOLID_NEO_HOOKEAN:
     case PALP_SOLID_YEOH:
@@ -28,11 +30,13 @@ double palp_solid_shear(const palp_solid *solid) {
 }
 
 double palp_solid_bulk(const palp_solid *solid) {
-    return palp_solid_shear(solid) * 2.0 * (1.0 + solid->poisson) / (3.0 * (1.0 - 2.0 * solid->poisson));
+    return !solid ? 0.0
+                  : palp_solid_shear(solid) * 2.0 * (1.0 + solid->poisson) /
+                        (3.0 * (1.0 - 2.0 * solid->poisson));
 }
 
 double palp_solid_lambda(const palp_solid *solid) {
-    return palp_solid_shear(solid) * 2.0 * solid->poisson / (1.0 - 2.0 * solid->poisson);
+    return !solid ? 0.0 : palp_solid_shear(solid) * 2.0 * solid->poisson / (1.0 - 2.0 * solid->poisson);
 }
 
 /* Adds c (invariant J^-p - 3)^power, invariant number which, to *e. */
@@ -176,6 +180,8 @@ static void add_curvature(const double F[9], const double C[9], double I1, const
 
 double palp_solid_energy(const palp_solid *solid, const double F[9], double *stress, double *tangent) {
     double C[9], x[3], d[3][9];
+    if (!solid || !F)
+        return INFINITY;
     solid_green(F, F, C); /* half of F'F + F'F */
     x[0] = C[0] + C[4] + C[8];
     double squares = 0.0;

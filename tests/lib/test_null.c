@@ -297,6 +297,29 @@ START_TEST(null_in_segments) {
 }
 END_TEST
 
+START_TEST(null_in_solid) {
+    palp_solid solid = {.c_Pa = {1.0}};
+    palp_solid_press press = {3, numbers, numbers, numbers, NULL};
+    NOTHING(palp_solid_shear(NULL) == 0.0 && palp_solid_bulk(NULL) == 0.0 && palp_solid_lambda(NULL) == 0.0);
+    NOTHING(isinf(palp_solid_energy(NULL, numbers, NULL, NULL)));
+    NOTHING(isinf(palp_solid_energy(&solid, NULL, NULL, NULL)));
+    REFUSED(palp_solid_supports(NULL, false, storage));
+    REFUSED(palp_solid_supports(mesh, false, NULL));
+    REFUSED(palp_solid_force(NULL, mesh, 1, numbers + 1, numbers + 8));
+    REFUSED(palp_solid_force(&solid, NULL, 1, numbers + 1, numbers + 8));
+    REFUSED(palp_solid_force(&solid, mesh, 1, NULL, numbers + 8));
+    REFUSED(palp_solid_force(&solid, mesh, 1, numbers + 1, NULL));
+    REFUSED(palp_solid_fit(NULL, mesh, 1, &press, (void *)storage));
+    REFUSED(palp_solid_fit(&solid, NULL, 1, &press, (void *)storage));
+    REFUSED(palp_solid_fit(&solid, mesh, 1, NULL, (void *)storage));
+    REFUSED(palp_solid_fit(&solid, mesh, 1, &press, NULL));
+    REFUSED(palp_solid_run(NULL, mesh, &press, numbers + 8));
+    REFUSED(palp_solid_run(&solid, NULL, &press, numbers + 8));
+    REFUSED(palp_solid_run(&solid, mesh, NULL, numbers + 8));
+    REFUSED(palp_solid_run(&solid, mesh, &press, NULL));
+}
+END_TEST
+
 START_TEST(null_in_wire) {
     NOTHING(!palp_wire_encode(NULL, storage));
     NOTHING(!palp_wire_encode((void *)storage, NULL));
@@ -350,6 +373,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, null_in_random);
     tcase_add_test(tc, null_in_recording);
     tcase_add_test(tc, null_in_segments);
+    tcase_add_test(tc, null_in_solid);
     tcase_add_test(tc, null_in_wire);
     tcase_add_test(tc, null_that_is_asked_for_nothing);
     tcase_add_test(tc, null_is_freed);
