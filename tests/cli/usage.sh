@@ -100,7 +100,7 @@ wrong "exceeds the network's height" calibrate $L --nodes 3 --stage static --dep
 wrong "name a MODEL.json" export
 wrong "either --depth-mm or --strain" export $M
 wrong "either --depth-mm or --strain" export $M --depth-mm 3 --strain 0.1
-wrong "must be one of calculix" export $M --strain 0.1 --format abaqus
+wrong "must be one of calculix" export $M --strain 0.1 --to ansys
 wrong "must be from 5 to 200" export $M --strain 0.1 --table-points 1000
 wrong "press less" export $M --depth-mm 24
 wrong "two successive steps" export $M --depth-mm 3,3
