@@ -88,6 +88,13 @@ same(text.split("ENU,")[1].split(",")[1], young(result["vega"]))
 same(text.split("TET\n")[1].split()[0], 216)
 P
 
+# A name of a file ends neither a comment nor a string.
+odd='a--b"""\<&-->.json'
+cp network.json "$odd"
+expect 0 export "$odd" --to febio --depth-mm 2 --out odd.feb
+expect 0 export "$odd" --to newton --depth-mm 2 --out odd.py
+python3 -c "import ast, xml.etree.ElementTree as x; x.parse('odd.feb'); ast.parse(open('odd.py').read())" || fail "an odd name"
+
 # ---- MuJoCo, where its package is ----
 if python3 -c "import mujoco" 2>/dev/null; then
     python3 "$ROOT/tests/cli/export_run.py" mujoco scene.mujoco mujoco.json >pressed || fail "MuJoCo"

@@ -22,7 +22,7 @@ typedef struct export_options {
 /* A fitted solid and what its scene needs. */
 typedef struct export_scene {
     const struct export_target *target;
-    const char *model;
+    const char *model; /* name of its file */
     palp_mesh *mesh;
     palp_solid solid;
     palp_solid_fit_info info;

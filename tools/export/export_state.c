@@ -28,9 +28,19 @@ static const char *state_of_time(const export_scene *s) {
     return text[s->solid.time];
 }
 
+/* Letters, digits and single signs, which end neither a comment of XML nor a string of Python. */
+static void write_name(const char *name, FILE *to) {
+    for (char before = 0; *name; before = *name++) {
+        const char c = *name;
+        const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+        fputc(letter || (strchr("._+-", c) && c != before) ? c : '_', to);
+    }
+}
+
 void export_state(const export_scene *s, const char *prefix, FILE *to) {
-    cli_say(to, "%s%s: a %s solid for %s, fitted by palpate export.", prefix, s->model,
-            export_law_of(s)->option, s->target->name);
+    fputs(prefix, to);
+    write_name(s->model, to);
+    cli_say(to, ": a %s solid for %s, fitted by palpate export.", export_law_of(s)->option, s->target->name);
     if (s->n_runs > 0)
         cli_say(to, "%sForce of the plate against %zu recording%s, %zu samples, peak %.6g N:", prefix,
                 s->n_runs, s->n_runs > 1 ? "s" : "", s->info.n, s->info.peak_N);
