@@ -212,7 +212,7 @@ $(BUILD)/palpate-hdf5: $(call obj,$(HDF5_SRC)) $(STATIC)
 	$(call link,$(HDF5_LIBS))
 $(BUILD)/palpate-fmu.so: $(call obj,$(FMU_SRC)) $(SIM_STATIC)
 	$(call note,LD   $@)
-	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -s -shared -Wl,--exclude-libs,ALL -Wl,-z,defs -o $@ $^ $(SIM_LIBS)
+	$(Q)$(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -s -shared -Wl,--exclude-libs,ALL -o $@ $^ $(SIM_LIBS)
 # A test is linked with what its folder shares, the main function too, where it has none of its own.
 $(BUILD)/tests/lib.a: $(call obj,$(LIB_TEST_HELP) tests/main_check.c)
 $(BUILD)/tests/tools.a: $(call obj,$(TOOL_TEST_HELP) tests/main_cmocka.c $(filter-out tools/palpate.c,$(TOOL_SRC)))

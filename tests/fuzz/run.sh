@@ -34,7 +34,7 @@ else
         LDFLAGS="-fsanitize=$san" CC="${FUZZ_CC:-clang}"
 fi
 rm -f "$BUILD/tools.a"
-find "$BUILD/obj/tools" -name '*.o' ! -name palpate.o -exec ar qcs "$BUILD/tools.a" {} +
+find "$BUILD/obj/tools" -maxdepth 2 -name '*.o' ! -name palpate.o -exec ar qcs "$BUILD/tools.a" {} +
 
 # seeds_of READER: the folder or files that it starts from
 seeds_of() {

@@ -117,14 +117,6 @@ static int pack(const char *program, palp_model *model, palp_mesh_source *source
         free(parts[i].bytes);
     return code;
 }
-#else
-static int pack(const char *program, palp_model *model, palp_mesh_source *source, const double top_m[3],
-                const char *out) {
-    (void)program, (void)model, (void)source, (void)top_m;
-    return cli_failure(
-        NAME, "%s: this palpate was built without minizip; install libminizip-dev and build it again", out);
-}
-#endif
 
 /* Effects of the instrument are left out, as the FMU gives the force on the plate itself. */
 static int leave_effects(const char *file, palp_model *model) {
@@ -175,3 +167,11 @@ int export_fmu(const char *model_file, const char *out) {
     free(source);
     return code;
 }
+#else
+int export_fmu(const char *model_file, const char *out) {
+    (void)out;
+    return cli_failure(
+        NAME, "%s: this palpate was built without minizip; install libminizip-dev and build it again",
+        model_file);
+}
+#endif
