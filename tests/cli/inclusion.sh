@@ -46,12 +46,15 @@ expect 1 inclusion plain.json ball_5_*.csv
 says 'at least 8 presses'
 expect 1 inclusion "$DATA/lumped_n1.json" ball_*.csv
 says 'is a lumped model'
-sed '/tip.x_mm/d' ball_5_5.csv >nowhere.csv
+sed '/tip.[xz]_mm/d' ball_5_5.csv >nowhere.csv
 expect 1 inclusion plain.json nowhere.csv ball_*.csv
-says 'nowhere.csv: a press of a map needs its tip.x_mm'
+says 'nowhere.csv: a press of a map is by a sphere at a place'
+sed '/tip.x_mm/d' ball_5_5.csv >half.csv
+expect 1 inclusion plain.json half.csv ball_*.csv
+says 'half.csv: the place of a sphere needs both'
 sed 's/\(tip.kind: *"\{0,1\}\)sphere/\1flat/' ball_5_5.csv >flat.csv
 expect 1 inclusion plain.json flat.csv ball_*.csv
-says 'flat.csv: its tip.kind is "flat"'
+says 'flat.csv: its tip.kind "flat"'
 sed 's/tip.x_mm: 5/tip.x_mm: 500/' ball_5_5.csv >away.csv
 expect 1 inclusion plain.json away.csv ball_*.csv
 says 'away.csv: nothing of the network is below the sphere'

@@ -205,36 +205,12 @@ static palp_status kind_of(const palp_experiment *run, palp_recording_kind *kind
     return status;
 }
 
-/* Radius of the sphere that pressed, mm; 0 = a plate. */
-static int tip_of(const char *file, const palp_experiment *run, double *radius_mm) {
-    const char *name = "plate";
-    palp_tip_kind tip = PALP_TIP_CONE;
-    *radius_mm = 0;
-    palp_experiment_get_string(run, "tip.kind", &name);
-    if (!palp_tip_find(name, &tip) || tip == PALP_TIP_FLAT || tip == PALP_TIP_CONE)
-        return cli_failure(NAME, "%s: its tip.kind \"%s\" presses no network; only plate and sphere do", file,
-                           name);
-    if (tip == PALP_TIP_SPHERE && (palp_experiment_get_number(run, "tip.radius_mm", radius_mm) != PALP_OK ||
-                                   !(*radius_mm > 0 && *radius_mm <= 1e4)))
-        return cli_failure(NAME, "%s: a sphere needs its tip.radius_mm", file);
-    return CLI_OK;
-}
-
 /* The samples to the deepest one of a slow press; each is of the relaxed network. */
 static int press_of_tip(const char *file, const palp_experiment *run, palp_recording_kind kind,
                         press_target *press) {
-    double radius_mm;
-    int code = tip_of(file, run, &radius_mm);
+    int code = open_tip(NAME, file, run, &press->tip_radius_m, press->tip_m);
     if (code == CLI_OK)
         code = press_from_run(file, run, 3, press);
-    press->tip_radius_m = 1e-3 * radius_mm;
-    for (int k = 0; k < 2; k++) {
-        double place_mm = NAN;
-        palp_experiment_get_number(run, k ? "tip.z_mm" : "tip.x_mm", &place_mm);
-        press->tip_m[k] = 1e-3 * place_mm;
-    }
-    if (code == CLI_OK && isnan(press->tip_m[0]) != isnan(press->tip_m[1]))
-        code = cli_failure(NAME, "%s: the place of a sphere needs both tip.x_mm and tip.z_mm", file);
     press->relaxed = kind == PALP_RECORDING_STATIC;
     record *target = &press->target;
     for (size_t i = 0; press->relaxed && i < target->n; i++)
@@ -245,20 +221,20 @@ static int press_of_tip(const char *file, const palp_experiment *run, palp_recor
 
 /* Whether any run is of a tool, and whether tips of different size pressed. */
 static int note_tools(const calibrate_options *o, calibrate_state *s) {
-    double first_mm = 0, radius_mm;
+    double first_m = 0, radius_m, place_m[2];
     bool differ = false;
     int code = CLI_OK;
     for (size_t i = 1; code == CLI_OK && i < o->n_words; i++) {
         palp_experiment *run = NULL;
         code = open_run(NAME, o->words[i], &run);
         if (code == CLI_OK)
-            code = tip_of(o->words[i], run, &radius_mm);
+            code = open_tip(NAME, o->words[i], run, &radius_m, place_m);
         palp_experiment_free(run);
         if (code)
             break;
-        first_mm = i == 1 ? radius_mm : first_mm;
-        differ = differ || radius_mm != first_mm;
-        s->tools = s->tools || radius_mm > 0;
+        first_m = i == 1 ? radius_m : first_m;
+        differ = differ || radius_m != first_m;
+        s->tools = s->tools || radius_m > 0;
     }
     s->tools = s->tools || o->regions;
     s->fits_poisson = s->tools && differ && !(o->poisson > 0) && s->source.scaling == PALP_SCALING_CONTINUUM;

@@ -76,37 +76,24 @@ static bool mean_of_deeper_half(const palp_recording *r, double *force_N) {
     return way > 0.0 && *force_N > 0.0;
 }
 
-/* Place and radius of the sphere of a run, m. */
-static int read_tip(const char *file, const palp_experiment *run, double at_m[3]) {
-    static const char *const KEYS[] = {"tip.x_mm", "tip.z_mm", "tip.radius_mm"};
-    const char *kind = "plate";
-    palp_experiment_get_string(run, "tip.kind", &kind);
-    if (strcmp(kind, "sphere") != 0)
-        return cli_failure(NAME, "%s: its tip.kind is \"%s\"; a map needs a sphere", file, kind);
-    for (int k = 0; k < 3; k++) {
-        double mm;
-        if (palp_experiment_get_number(run, KEYS[k], &mm) || !isfinite(mm) || (k == 2 && !(mm > 0.0)))
-            return cli_failure(NAME, "%s: a press of a map needs its %s", file, KEYS[k]);
-        at_m[k] = 1e-3 * mm;
-    }
-    return CLI_OK;
-}
-
 static int press_of_run(inclusion *s, const char *file, const palp_experiment *run) {
     palp_palpation_press *press = &s->press[s->n++];
     palp_recording_settings settings = palp_recording_settings_default();
     palp_recording recording;
     palp_error error = {PALP_OK, ""};
-    double low[3], high[3], at_m[3];
-    int code = read_tip(file, run, at_m);
+    double low[3], high[3], radius_m, at_m[2];
+    int code = open_tip(NAME, file, run, &radius_m, at_m);
     if (code)
         return code;
+    if (!(radius_m > 0.0) || !isfinite(at_m[0]) || !isfinite(at_m[1]))
+        return cli_failure(NAME, "%s: a press of a map is by a sphere at a place, tip.x_mm and tip.z_mm",
+                           file);
     palp_mesh_bounds(s->mesh, low, high);
     settings.height_m = high[1] - low[1];
     palp_status status = palp_recording_prepare(run, file, &settings, &recording, &error);
     if (status)
         return cli_status_of(NAME, file, status, &error);
-    press->tool = press_sphere(s->mesh, at_m[2], at_m[0], at_m[1]);
+    press->tool = press_sphere(s->mesh, radius_m, at_m[0], at_m[1]);
     press->depth_m = recording.deepest_m;
     if (!isfinite(press->tool.position_m[1]))
         code = cli_failure(NAME, "%s: nothing of the network is below the sphere at x = %.4g, z = %.4g mm",

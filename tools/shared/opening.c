@@ -2,6 +2,8 @@
 #include "opening.h"
 #include "cli.h"
 
+#include <math.h>
+#include <palpate/indentation.h>
 #include <palpate/segments.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,4 +61,26 @@ const char *open_no_specimen(const palp_experiment *run) {
     if (palp_experiment_get_string(run, "specimen.kind", &kind))
         return NULL;
     return strcmp(kind, "none") == 0 || strcmp(kind, "rigid") == 0 ? kind : NULL;
+}
+
+int open_tip(const char *command, const char *file, const palp_experiment *run, double *radius_m,
+             double place_m[2]) {
+    const char *name = "plate";
+    palp_tip_kind tip = PALP_TIP_CONE;
+    double mm[3] = {NAN, NAN, 0.0};
+    palp_experiment_get_string(run, "tip.kind", &name);
+    if (!palp_tip_find(name, &tip) || tip == PALP_TIP_FLAT || tip == PALP_TIP_CONE)
+        return cli_failure(command, "%s: its tip.kind \"%s\" presses no network; only plate and sphere do",
+                           file, name);
+    palp_experiment_get_number(run, "tip.x_mm", &mm[0]);
+    palp_experiment_get_number(run, "tip.z_mm", &mm[1]);
+    if (isnan(mm[0]) != isnan(mm[1]))
+        return cli_failure(command, "%s: the place of a sphere needs both tip.x_mm and tip.z_mm", file);
+    if (tip == PALP_TIP_SPHERE &&
+        (palp_experiment_get_number(run, "tip.radius_mm", &mm[2]) != PALP_OK || !(mm[2] > 0 && mm[2] <= 1e4)))
+        return cli_failure(command, "%s: a sphere needs its tip.radius_mm", file);
+    for (int k = 0; k < 2; k++)
+        place_m[k] = 1e-3 * mm[k];
+    *radius_m = 1e-3 * mm[2];
+    return CLI_OK;
 }

@@ -29,6 +29,10 @@ palp_status open_smooth_path(palp_experiment *run);
 /* A text from outside as a key of a run's header, made plain (palp_text_make_plain). */
 palp_status open_set_text(palp_experiment *run, const char *key, const char *text);
 
+/* Radius of the sphere of a run, m, 0 = a plate; its place in x and z, m, NAN without one. */
+int open_tip(const char *command, const char *file, const palp_experiment *run, double *radius_m,
+             double place_m[2]);
+
 /* specimen.kind if it is "none" (air) or "rigid" (a block to measure the frame); else NULL. */
 const char *open_no_specimen(const palp_experiment *run);
 
