@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """left_out.py: how well palpate characterize predicts a run that it has not seen, where nothing is missing.
     left_out.py DIR [OPTION...]      DIR: --out of run.sh; options of characterize, e.g. --likelihood
+    left_out.py RUN.csv... [OPTION...]      the same of these runs, in % of the largest force of the run that is left out
 Of each null the first and the middle run are left out in turn. What simulate --like misses them by, with the best zero and
 gain, is given in noise levels: one line a run, then the median and the largest. PALPATE is the command."""
 import glob
@@ -37,20 +38,32 @@ def predict(runs, left, options, scratch):
     sys.exit(f"left_out.py: {left}: {fit.stderr.splitlines()[-1]}")
 
 
-def main(folder, options):
-    truth = json.load(open(os.path.join(folder, "truth.json")))
+def both(name, runs, options, scratch, level):
+    """What is missed of the first run and of the middle one, each predicted from the others; level of forces is the unit."""
+    found = []
+    for left in (runs[0], runs[len(runs) // 2]):
+        measured = forces(left)
+        found.append(missed(measured, predict(runs, left, options, scratch)) / level(measured))
+        print(f"{name}  {os.path.basename(left)}  {found[-1]:.3g}", flush=True)
+    return found
+
+
+def main(arguments):
+    files = [a for a in arguments if a.endswith(".csv")]
     all_ = []
     with tempfile.TemporaryDirectory() as scratch:
-        for case in truth["cases"] if isinstance(truth, dict) else truth:
-            if case["effect"] or case["outside"]:
-                continue
-            runs = sorted(glob.glob(os.path.join(folder, "cases", case["case"], "run_*.csv")))
-            for left in (runs[0], runs[len(runs) // 2]):
-                levels = missed(forces(left), predict(runs, left, case["characterize"].split() + options, scratch)) / case["noise_N"]
-                print(f"{case['case']}  {case['world']:14} {os.path.basename(left)}  {levels:.3g}", flush=True)
-                all_.append(levels)
+        if files:
+            options = [a for a in arguments if a not in files]
+            all_ = both("", files, options, scratch, lambda force: max(map(abs, force)) / 100)
+        else:
+            truth = json.load(open(os.path.join(arguments[0], "truth.json")))
+            for case in truth["cases"] if isinstance(truth, dict) else truth:
+                if not case["effect"] and not case["outside"]:
+                    runs = sorted(glob.glob(os.path.join(arguments[0], "cases", case["case"], "run_*.csv")))
+                    options = case["characterize"].split() + arguments[1:]
+                    all_ += both(f"{case['case']}  {case['world']:14}", runs, options, scratch, lambda _, n=case["noise_N"]: n)
     print(f"{len(all_)} runs: median {statistics.median(all_):.3g}, largest {max(all_):.3g}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2:])
+    main(sys.argv[1:])
