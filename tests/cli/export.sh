@@ -130,6 +130,8 @@ expect 2 export network.json --to febio --depth-mm 1,2; says "one depth"
 expect 2 export network.json --to febio --depth-mm 24; says "not below the height"
 expect 2 export network.json --to febio --poisson 0.5; says "--poisson"
 expect 1 export network.json --to febio --runs no.csv --out refused; says "no.csv"
+sed '1a # tip.kind: "sphere"' run.csv >sphere.csv
+expect 1 export network.json --to febio --runs sphere.csv --out refused; says "no recording of a specimen under a plate"
 sed 's/, "radius_mm": 12.0//' lumped.json >thin.json
 expect 1 export thin.json --to febio --poisson 0.4 --out refused; says "without radius_mm"
 sed 's/"mesh"/"regions": [{"name": "n", "sphere": {"centre_mm": [9, 14, 11], "radius_mm": 8}, "stiffness_factor": 6}], "mesh"/' network.json >region.json

@@ -41,9 +41,16 @@ static int read_run(const char *file, double height_m, palp_recording *run) {
     palp_error error = {PALP_OK, ""};
     palp_recording_settings settings = palp_recording_settings_default();
     settings.height_m = height_m;
+    const char *tip = NULL;
     int code = open_run("export", file, &experiment);
     if (code)
         return code;
+    if (open_no_specimen(experiment) ||
+        (!palp_experiment_get_string(experiment, "tip.kind", &tip) && strcmp(tip, "plate") != 0)) {
+        code = cli_failure("export", "%s: no recording of a specimen under a plate", file);
+        palp_experiment_free(experiment);
+        return code;
+    }
     palp_status status = open_smooth_path(experiment);
     if (!status)
         status = palp_recording_prepare(experiment, file, &settings, run, &error);

@@ -146,7 +146,7 @@ START_TEST(finds_damping_again) {
     } OF[] = {{PALP_SOLID_ST_VENANT, PALP_SOLID_MATERIAL, 0.3},
               {PALP_SOLID_NEO_HOOKEAN_STABLE, PALP_SOLID_SHEAR, 400},
               {PALP_SOLID_NEO_HOOKEAN_LOG, PALP_SOLID_RAYLEIGH, 0.2}};
-    palp_solid truth = solid_of(OF[_i].law);
+    palp_solid truth = solid_of((int)OF[_i].law);
     truth.time = OF[_i].time;
     truth.damping = OF[_i].damping;
     const palp_solid found = refit(truth, 1);
