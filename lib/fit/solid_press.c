@@ -81,8 +81,7 @@ static void move(solid_body *body, const double *step, double s) {
             body->x[i] = body->before[i] - s * step[body->unknown[i]];
 }
 
-/* Newton's method at the supports' present places. On success the matrix is that of the solution. The norm
- * that falls is absolute: all nodal forces of the start are its measure. */
+/* Newton's method at the supports' present places, with steps halved until the residual falls. */
 static palp_status newton(solid_body *body, const palp_solid *solid, double *step) {
     const size_t bytes = 3 * palp_mesh_node_count(body->mesh) * sizeof *body->x;
     double off = evaluate(body, solid, true);

@@ -1,6 +1,6 @@
 #!/bin/sh
 # export.sh: solids of other programs: CalculiX and MuJoCo, where they are installed, give the force that the file says; every scene
-# is well-formed; units do not matter; what cannot be exported is refused.
+# is well-formed; units do not matter; what cannot be exported is refused. check: once
 . tests/cli/common
 command -v python3 >/dev/null || { echo "there is no python3"; exit 77; }
 OMP_NUM_THREADS=1
