@@ -157,6 +157,26 @@ static palp_status solve_from(part *p, SNESConvergedReason *reason, palp_step_in
     return PALP_OK;
 }
 
+/* A tangent on the way was not positive definite: asks conjugate gradients whether that of the solution is.
+ */
+static palp_status assess_solution(part *p, palp_step_info *info) {
+    KSPConvergedReason reason;
+    KSP ksp;
+    TRY(SNESGetKSP(p->snes, &ksp));
+    TRY(KSPSetType(ksp, KSPCG));
+    TRY(part_assemble(p));
+    TRY(KSPSetOperators(ksp, p->tangent, p->tangent));
+    p->fresh = 0;
+    palp_status status = begin_solution(p, ksp);
+    if (status)
+        return status;
+    TRY(VecCopy(p->x, p->f));
+    TRY(KSPSolve(ksp, p->f, p->sum));
+    TRY(KSPGetConvergedReason(ksp, &reason));
+    info->negative_pivots = reason == KSP_DIVERGED_INDEFINITE_MAT ? 1 : -1;
+    return PALP_OK;
+}
+
 palp_status part_newton(network_ranks *ranks, palp_network *net, palp_step_info *info) {
     part *p = (part *)ranks;
     SNESConvergedReason reason;
@@ -177,12 +197,12 @@ palp_status part_newton(network_ranks *ranks, palp_network *net, palp_step_info 
     if (status)
         return status;
     TRY(evaluate_at(p, p->x, &sound));
-    info->negative_pivots = p->indefinite ? 1 : -1;
+    info->negative_pivots = -1;
     if (!sound)
         return PALP_ERR_COLLAPSED;
     info->residual = p->scale > 0.0 ? net->settings.tolerance * p->residual / p->scale : 0.0;
     if (reason > 0 || (reason == SNES_DIVERGED_LINE_SEARCH && p->residual <= AT_FOLD * p->scale))
-        return PALP_OK;
+        return p->indefinite ? assess_solution(p, info) : PALP_OK;
     return p->indefinite ? PALP_ERR_BUCKLED : PALP_ERR_NOT_CONVERGED;
 }
 
