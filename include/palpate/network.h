@@ -119,7 +119,8 @@ PALP_API palp_status palp_network_set_material(palp_network *network, const palp
  * success. On failure the state stays as it was. info may be NULL. ERR_ARGUMENT: a number out of range;
  * ERR_NOT_CONVERGED; ERR_BUCKLED: no equilibrium on this branch; ERR_SINGULAR: a mechanism; ERR_COLLAPSED: an
  * element lost its length; ERR_INSIDE: a sphere, a capsule or the middle of a hull starts inside the tissue
- * and the tool touches none of its surface. */
+ * and the tool touches none of its surface; ERR_LIMIT: more nodes of the surface are near triangles of it
+ * than 32 for each triangle, where tissue touches itself. */
 PALP_API palp_status palp_network_try(palp_network *network, double depth_m, double dt_s,
                                       palp_step_info *info);
 PALP_API void palp_network_commit(palp_network *network); /* nothing without a trial */

@@ -68,7 +68,7 @@ typedef struct palp_tick_info {
  * reached is committed, and the next ticks reduce the remaining residual. Allocates nothing. info may be
  * NULL. A tool that moves far is followed in parts (palp_network_set_tools), each with its own budget of
  * corrections. On failure the state stays as it was: ERR_ARGUMENT: a number out of range; ERR_COLLAPSED: no
- * first guess could be evaluated; ERR_INSIDE: as in palp_network_step. */
+ * first guess could be evaluated; ERR_INSIDE, ERR_LIMIT: as in palp_network_step. */
 PALP_API palp_status palp_realtime_step(palp_realtime *realtime, double depth_m, double dt_s,
                                         const palp_budget *budget, palp_tick_info *info);
 

@@ -15,7 +15,7 @@ extern "C" {
     X(ERR_ARGUMENT, "an argument is out of range")                                                           \
     X(ERR_INPUT, "malformed input")                                                                          \
     X(ERR_FILE, "a file cannot be read or written")                                                          \
-    X(ERR_LIMIT, "more coefficients or arms than the library holds")                                         \
+    X(ERR_LIMIT, "more coefficients, arms or pairs in contact than there is room for")                       \
     X(ERR_UNSUPPORTED, "a combination that this build does not support")                                     \
     X(ERR_NOT_CONVERGED, "the iteration did not converge")                                                   \
     X(ERR_BUCKLED, "no equilibrium found past a loss of stability")                                          \

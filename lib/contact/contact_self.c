@@ -10,8 +10,8 @@ static const double REACH = 0.5;  /* of an edge: so near, a node may come to tou
 static const double MARGIN = 0.5; /* of an edge: the list of pairs lasts until nodes have moved half of it */
 static const double LOYAL = 0.02; /* of an edge: a node changes triangles for at least so much */
 static const double LEVEL = 1e-9; /* of an edge: on the surface, neither outside nor inside */
-/* Room for pairs, for entries in cells and for cells, each by triangles of the surface. Further pairs are
- * left out; with more entries or cells the cells are larger. */
+/* Room for pairs, for entries in cells and for cells, each by triangles of the surface. A step with more
+ * pairs fails; with more entries or cells the cells are larger. */
 enum { PAIRS = 32, ENTRIES = 16, CELLS = 8 };
 
 /* A node of the surface and a triangle of it. */
@@ -48,6 +48,7 @@ typedef struct self_term {
     size_t n_listed;
     self_pair *pair; /* [n_pairs] by nodes: near each other at built */
     size_t n_pairs, max_pairs;
+    bool overflows;  /* there were more */
     double *built;   /* [3 n_nodes] */
     double *outward; /* [3 n_nodes] there: sums of the normals of a node's triangles, by area */
     bool is_built;
@@ -222,17 +223,21 @@ static void list_pairs_of_node(self_term *t, const palp_network *net, const grid
     const double *p = x + 3 * node;
     const size_t cell = (cell_along_axis(g, 0, p[0]) * g->n[1] + cell_along_axis(g, 1, p[1])) * g->n[2] +
                         cell_along_axis(g, 2, p[2]);
-    for (uint32_t e = t->first[cell]; e < t->first[cell + 1] && t->n_pairs < t->max_pairs; e++) {
+    for (uint32_t e = t->first[cell]; e < t->first[cell + 1]; e++) {
         const int32_t *triangle = t->set.surface + 3 * t->entry[e];
         double low[3], high[3], share[3];
         box_around_triangle(x, triangle, reach, low, high);
         bool near = true;
         for (int k = 0; k < 3; k++)
             near = near && p[k] >= low[k] && p[k] <= high[k];
-        if (near && does_node_face_triangle(t, x, triangle, node) &&
-            !is_triangle_next_to_node(net, triangle, node) &&
-            contact_nearest_distance(x, triangle, p, share) <= reach)
-            t->pair[t->n_pairs++] = (self_pair){node, t->entry[e], false};
+        if (!near || !does_node_face_triangle(t, x, triangle, node) ||
+            is_triangle_next_to_node(net, triangle, node) ||
+            contact_nearest_distance(x, triangle, p, share) > reach)
+            continue;
+        t->overflows = t->n_pairs == t->max_pairs;
+        if (t->overflows)
+            return;
+        t->pair[t->n_pairs++] = (self_pair){node, t->entry[e], false};
     }
 }
 
@@ -245,6 +250,7 @@ static bool update_list_of_pairs(self_term *t, const palp_network *net, const do
     memcpy(t->built, x, 3 * net->n_nodes * sizeof *x);
     t->is_built = true;
     t->n_pairs = 0;
+    t->overflows = false;
     find_outward_of_nodes(t, x);
     sort_triangles_into_grid(t, x, (REACH + MARGIN) * edge, &g);
     for (size_t i = 0; i < t->n_listed; i++)
@@ -543,12 +549,18 @@ static bool add_self_energy(const network_term *term, const palp_network *net, d
     return true;
 }
 
+static palp_status check_pairs(const network_term *term, const palp_network *net) {
+    (void)net;
+    return ((const self_term *)term)->overflows ? PALP_ERR_LIMIT : PALP_OK;
+}
+
 static const network_term_kind SELF = {.reset = reset_self_contacts,
                                        .pass = pass_self_state,
                                        .swap = swap_self_states,
                                        .begin = begin_self_step,
                                        .evaluate = evaluate_self_forces,
                                        .finish = finish_self_step,
+                                       .check = check_pairs,
                                        .blocks = take_self_blocks,
                                        .far_blocks = take_far_self_blocks,
                                        .times = multiply_self_tangent,

@@ -114,8 +114,10 @@ static double longest_tool_way(const network_term *term, const palp_network *net
     return contact_set_way(const_contact_set_of_term(term));
 }
 
-static bool is_any_tool_inside_body(const network_term *term, const palp_network *net) {
-    return contact_set_inside(const_contact_set_of_term(term), net->n_surface, net->surface, net->next.x);
+static palp_status check_tools(const network_term *term, const palp_network *net) {
+    return contact_set_inside(const_contact_set_of_term(term), net->n_surface, net->surface, net->next.x)
+               ? PALP_ERR_INSIDE
+               : PALP_OK;
 }
 
 static void place_tools_on_their_way(network_term *term, palp_network *net, double share) {
@@ -345,7 +347,7 @@ static const network_term_kind CONTACT = {.reset = reset_contact_term,
                                           .place = place_tools_on_their_way,
                                           .refresh = refresh_contact_points,
                                           .follow = move_nodes_with_tools,
-                                          .inside = is_any_tool_inside_body,
+                                          .check = check_tools,
                                           .weigh = add_contact_weights,
                                           .share_residual = share_contact_residual,
                                           .doubt = add_force_uncertainty,

@@ -255,10 +255,11 @@ palp_status network_finish(palp_network *net) {
                 net->next.element[i] +=
                     net->step.carry * net->now.vector[3 * i + k] * net->direction[k * net->n_elements + i];
     NETWORK_EACH_TERM(net, finish, net);
-    for (size_t i = 0; i < net->n_terms; i++)
-        if (net->terms[i]->kind->inside && net->terms[i]->kind->inside(net->terms[i], net))
-            return PALP_ERR_INSIDE;
-    return PALP_OK;
+    palp_status status = PALP_OK;
+    for (size_t i = 0; i < net->n_terms && !status; i++)
+        if (net->terms[i]->kind->check)
+            status = net->terms[i]->kind->check(net->terms[i], net);
+    return status;
 }
 
 /* Are all edges of a tetrahedron uncut? */

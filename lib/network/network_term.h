@@ -62,8 +62,8 @@ typedef struct network_term_kind {
     bool (*refresh)(network_term *term,
                     palp_network *net); /* contact points were found anew, as next.x has slid */
     void (*follow)(network_term *term, palp_network *net); /* is called with each new guess next.x */
-    bool (*inside)(const network_term *term,
-                   const palp_network *net); /* after finish: is a tool in the body without contact? */
+    /* After finish. ERR_INSIDE: a tool is in the body without contact; ERR_LIMIT: not all was looked at. */
+    palp_status (*check)(const network_term *term, const palp_network *net);
 
     /* For a residual[3 n_nodes] that remains at next.x. weigh adds the stiffness of the term's springs to
      * weight[n_nodes], N/m. After finish, share_residual turns forces on outside objects into those of the

@@ -375,7 +375,30 @@ START_TEST(contacts_are_listed) {
 }
 END_TEST
 
+static palp_status check_terms(palp_network *net) {
+    palp_status status = network_begin(net, 0.0, INFINITY);
+    for (size_t i = 0; i < net->n_terms && !status; i++)
+        if (net->terms[i]->kind->check)
+            status = net->terms[i]->kind->check(net->terms[i], net);
+    return status;
+}
+
+/* All of the surface within an edge of all of it: more pairs than there is room for are no contact missed,
+ * but an error, until the surface is as it was. */
+START_TEST(too_many_pairs) {
+    palp_network *net = pressed(two_cubes(7, 7, 0.0, 0.0, 0.0), 0.0);
+    ck_assert_int_eq(check_terms(net), PALP_OK);
+    for (size_t i = 0; i < 3 * net->n_nodes; i++)
+        net->now.x[i] = 0.02 * net->rest[i];
+    ck_assert_int_eq(check_terms(net), PALP_ERR_LIMIT);
+    palp_network_reset(net);
+    ck_assert_int_eq(check_terms(net), PALP_OK);
+    palp_network_free(net);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, too_many_pairs);
     tcase_add_loop_test(tc, two_cubes_are_a_column, 0, 2);
     tcase_add_test(tc, other_nodes_and_a_gap);
     tcase_add_loop_test(tc, tangent_by_differences, 0, 2);
