@@ -147,7 +147,7 @@ for text in '"kind": "result"' '"verdict": "explained"' 'bias of the sensor' '"n
 done
 
 expect 2 explain --model guess.json
-says "needs --model MODEL.json and runs"
+says "needs runs and either --model MODEL.json"
 expect 2 explain --model guess.json bias1.csv --candidates gremlins
 says 'no effect is called "gremlins"'
 expect 2 explain --model guess.json bias1.csv --hold-out other.csv
