@@ -1,6 +1,6 @@
-/* bench_ripple.c: ripple of the force on a smooth sphere that slides over a mesh, on whole triangles (-1),
- * local points (0) and smooth surfaces. Ripple is the range within the length of an edge over the mean, after
- * subtraction of a moving mean over one edge. */
+/* bench_ripple.c: ripple of the force on a smooth sphere that slides over a lattice scaled as a solid, with
+ * that solid's law, on whole triangles (-1), local points (0) and smooth surfaces. Ripple is the range within
+ * the length of an edge over the mean, after subtraction of a moving mean over one edge. */
 #include "bench.h"
 
 #include <math.h>
@@ -18,10 +18,11 @@ static palp_network *block(int subdivisions) {
     palp_network *net = NULL;
     touch.local = subdivisions >= 0;
     touch.subdivisions = subdivisions > 0 ? (size_t)subdivisions : 0;
-    bench_check(palp_law_polynomial(1, (double[]){0.54}, &material.law), "law");
     bench_check(palp_mesh_lattice((size_t[]){NODES, NODES, NODES},
                                   (double[]){BENCH_SIZE, BENCH_SIZE, BENCH_SIZE}, PALP_NEIGHBOURS_26, &mesh),
                 "lattice");
+    bench_check(palp_mesh_scale(mesh, PALP_SCALING_CONTINUUM, 0.0, NULL), "scaling");
+    bench_check(palp_law_of_solid(mesh, 0.25, 5e3, &material.law), "law");
     bench_check(palp_network_create(mesh, &material, 1, &bottom, &settings, &net, NULL), "network");
     bench_check(palp_network_enable_tools(net, 1, 0, &touch), "tools");
     palp_mesh_free(mesh);
@@ -67,7 +68,8 @@ static void slide(int subdivisions, double radius, double press, const double wa
 }
 
 int main(void) {
-    static const double spheres[][2] = {{3e-3, 1e-3}, {5e-3, 1.5e-3}, {10e-3, 1.5e-3}}; /* radius, depth, m */
+    static const double spheres[][2] = {
+        {3e-3, 0.5e-3}, {3e-3, 1e-3}, {4e-3, 1e-3}, {5e-3, 1.5e-3}, {10e-3, 1.5e-3}}; /* radius, depth, m */
     static const double ways[][2] = {{1.0, 0.0}, {1.0, 1.0}};
     printf(
         "%d nodes a side of %g mm, along x and as far along x and z: mean N, ripple %% normal and lateral\n",

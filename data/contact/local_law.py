@@ -89,7 +89,8 @@ def force(law,r,d,y):
 
 def law(u, r, m):
     """Pressure and its slope at the depth u; m: 1 less the squares of the point's shares."""
-    root, linear, steep = ES / math.pi / math.sqrt(r), 1.6 - 1.9 * m, (6.5 - 7.2 * m) * math.sqrt(r)
+    t = 1 - 1.5 * m  # 1 on a node, 0 in mid-triangle
+    root, linear, steep = ES / math.pi / math.sqrt(r), 0.95 - 2.05 * t, (8.1 + 20.2 * t) * t * math.sqrt(r)
     linear, steep = SOLID ** 2 * linear, SOLID ** 2 * steep
     s = math.sqrt(u)
     return root * s + linear * u + steep * u * s, 0.5 * root / s + linear + 1.5 * steep * s

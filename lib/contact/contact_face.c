@@ -189,16 +189,16 @@ double contact_stiffening(const palp_material *material, double modulus) {
 
 /* What a triangle's point of this stiffness E A / h, N/m, gives way below a sphere of this radius: what the
  * mesh of the spacing h lacks of Hertz's solid, to half the radius; beyond that it is hard, so that no tool
- * sinks in. even: 1 less the squares of the point's shares. solid: E by Poisson's ratio over that at 1/4. The
- * cells' volume leaves the nodes as soft as springs do, so what takes the mesh's own part from the solid gets
- * stiffer twice. Constants and that rule by data/contact/local_law.py. The tissue there gets stiffer with the
- * strain u / h as elements do. */
+ * sinks in. uneven: 1 on a node, 0 in the middle of a triangle. solid: E by Poisson's ratio over that at 1/4.
+ * The cells' volume leaves the nodes as soft as springs do, so what takes the mesh's own part from the solid
+ * gets stiffer twice. Constants and that rule by data/contact/local_law.py. The tissue there gets stiffer
+ * with the strain u / h as elements do. */
 static contact_law local_law(const contact_set *set, double stiffness, double radius, double spacing,
-                             double even) {
+                             double uneven) {
     const double root = set->solid * stiffness, mesh = set->solid * root;
     return (contact_law){.root = FLAT / acos(-1.0) * root * spacing / sqrt(radius),
-                         .linear = (1.6 - 1.9 * even) * mesh,
-                         .steep = (6.5 - 7.2 * even) * mesh * sqrt(radius) / spacing,
+                         .linear = (0.95 - 2.05 * uneven) * mesh,
+                         .steep = (8.1 + 20.2 * uneven) * uneven * mesh * sqrt(radius) / spacing,
                          .stiffening = set->stiffening / spacing,
                          .hard = set->settings.stiffness * root *
                                  fmax(1.0, spacing * spacing / (radius * radius)),
@@ -213,6 +213,7 @@ static double stiffness_of_law(const contact_law *law, double length) {
 
 void contact_face_law(const contact_set *set, const palp_tool *tool, double stiffness, double spacing,
                       contact *c) {
-    c->law = local_law(set, SOLID * stiffness, tool->radius_m, spacing, 1.0 - dot3(c->share, c->share));
+    const double uneven = 1.5 * dot3(c->share, c->share) - 0.5;
+    c->law = local_law(set, SOLID * stiffness, tool->radius_m, spacing, uneven);
     c->stiffness = stiffness_of_law(&c->law, fmin(spacing, tool->radius_m));
 }
