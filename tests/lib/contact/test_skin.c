@@ -232,6 +232,24 @@ START_TEST(a_sphere_feels_the_solid) {
 }
 END_TEST
 
+/* On local points, where the contact is as wide as a cell: the force must hardly tell where the nodes are. */
+START_TEST(local_points_hardly_ripple) {
+    enum { PLACES = 12, NODES = 7 };
+    const double edge = HEIGHT / (NODES - 1);
+    double low = INFINITY, high = 0.0;
+    palp_network *net = solid_block(NODES, 8.18, false, true);
+    for (int i = 0; i < PLACES; i++) {
+        const double at = 0.5 * HEIGHT + edge * (i / (double)PLACES - 0.5);
+        palp_tool tool = sphere(at + 3e-4, HEIGHT - 0.001, at + 7e-4, 0.003, 0);
+        const double force = step(net, &tool, INFINITY).force_N[1];
+        low = fmin(low, force);
+        high = fmax(high, force);
+    }
+    ck_assert_msg(high < 1.045 * low, "forces from %g to %g N", low, high);
+    palp_network_free(net);
+}
+END_TEST
+
 START_TEST(forces_balance_and_work_comes_back) {
     palp_contact_settings penalty = palp_contact_settings_default();
     palp_material m = quartic(0);
@@ -288,6 +306,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_sphere_feels_little_of_the_mesh);
     tcase_add_test(tc, a_small_sphere_feels_little_of_the_mesh);
     tcase_add_loop_test(tc, a_sphere_feels_the_solid, 0, 6);
+    tcase_add_test(tc, local_points_hardly_ripple);
     tcase_add_test(tc, forces_balance_and_work_comes_back);
     tcase_add_test(tc, no_cuts);
 }
