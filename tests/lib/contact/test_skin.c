@@ -234,12 +234,12 @@ END_TEST
 
 /* On local points, where the contact is as wide as a cell: the force must hardly tell where the nodes are. */
 START_TEST(local_points_hardly_ripple) {
-    enum { PLACES = 12, NODES = 7 };
+    enum { ALONG = 12, NODES = 7 };
     const double edge = HEIGHT / (NODES - 1);
     double low = INFINITY, high = 0.0;
     palp_network *net = solid_block(NODES, 8.18, false, true);
-    for (int i = 0; i < PLACES; i++) {
-        const double at = 0.5 * HEIGHT + edge * (i / (double)PLACES - 0.5);
+    for (int i = 0; i < ALONG; i++) {
+        const double at = 0.5 * HEIGHT + edge * (i / (double)ALONG - 0.5);
         palp_tool tool = sphere(at + 3e-4, HEIGHT - 0.001, at + 7e-4, 0.003, 0);
         const double force = step(net, &tool, INFINITY).force_N[1];
         low = fmin(low, force);
