@@ -129,7 +129,9 @@ static int leave_effects(const char *file, palp_model *model) {
     }
     if (model->n_effects > 0)
         cli_warning(NAME, "%s: effects of the instrument are left out", file);
-    model->n_effects = 0;
+    if (model->n_free > 0)
+        cli_warning(NAME, "%s: its free terms are left out", file);
+    model->n_effects = model->n_free = 0;
     return CLI_OK;
 }
 

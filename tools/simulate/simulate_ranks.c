@@ -90,6 +90,8 @@ int simulate_ranks_agree(const simulate_options *o, const simulation *s, int cod
     if (code == CLI_OK && s->model.n_effects > 0)
         code = cli_failure(NAME, "%s: --ranks cannot have the effect %s; run it in one process", o->model,
                            palp_effect_look_up(s->model.effects[0].id)->id);
+    if (code == CLI_OK && s->model.n_free > 0)
+        code = cli_failure(NAME, "%s: --ranks cannot have free terms; run it in one process", o->model);
     palp_status status = palp_ranks_agree(s->ranks, code ? PALP_ERR_INPUT : PALP_OK, NULL);
     return code || !status ? code : cli_failure(NAME, "another process failed");
 }
