@@ -132,7 +132,7 @@ typedef struct palp_explain_discrepancy {
     double correlated_N;           /* on the time in the run: correlated noise */
 } palp_explain_discrepancy;
 
-/* What the written model has beyond the catalogue: the terms of model.free_term. */
+/* What the written model has beyond the catalogue: the last n terms of model.free_term. */
 typedef struct palp_explain_free {
     size_t n;
     double evidence[PALP_FREE_TERMS]; /* nats, that all runs share it */

@@ -342,8 +342,8 @@ static palp_status write_model(infer_fit *fit, const infer_search *s, palp_expla
     palp_status status = take_tables(fit, data, &e->free);
     if (status)
         return status;
-    fit->c.model.n_free = fit->n_terms;
-    memcpy(fit->c.model.free_term, fit->term, fit->n_terms * sizeof *fit->term);
+    memcpy(fit->c.model.free_term + fit->c.model.n_free, fit->term, fit->n_terms * sizeof *fit->term);
+    fit->c.model.n_free += fit->n_terms;
     memset(fit->sizes.common, 0, sizeof fit->sizes.common);
     fit->plain = true; /* none of them is learned anew */
     double *residual = malloc(2 * data->n * sizeof *residual);
@@ -404,8 +404,8 @@ palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
     double evidence[PALP_FREE_TERMS];
     bool found = true, better = false;
     e->free.resembles = PALP_EFFECT_COUNT;
-    if (s->data.law_alone)
-        return PALP_OK;
+    if (s->data.law_alone || e->gap.after_N <= s->settings->good_enough * s->data.peak)
+        return PALP_OK; /* below the practical limit */
     terms *t = calloc(1, sizeof *t);
     if (!t)
         return PALP_ERR_NO_MEMORY;
@@ -413,7 +413,7 @@ palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
     palp_status status = begin(s, &t->fit);
     if (!status)
         status = infer_fit_copy(&t->fit, &s->data, &without);
-    while (!status && found && t->fit.n_terms < PALP_FREE_TERMS)
+    while (!status && found && t->fit.n_terms + s->data.given->n_free < PALP_FREE_TERMS)
         status = add_term(t, &found);
     if (!status && t->fit.n_terms > 0)
         status = infer_fit_converge(&t->fit, &s->data);

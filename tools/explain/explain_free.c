@@ -23,9 +23,13 @@ static const struct {
     {"the place of the plate", "mm", 1e-3},
 };
 
+static const palp_free_term *term_of(const palp_explanation *e, size_t i) {
+    return &e->model.free_term[e->model.n_free - e->free.n + i]; /* after those of the given model */
+}
+
 static json_t *term_json(const palp_explanation *e, size_t i) {
     enum { N = PALP_FREE_NODES };
-    const palp_free_term *t = &e->model.free_term[i];
+    const palp_free_term *t = term_of(e, i);
     double at[N], low[N], high[N];
     for (size_t a = 0; a < N; a++) {
         at[a] = palp_free_term_coordinate(t, (double)a / (N - 1)) / kinds[t->kind].size;
@@ -85,10 +89,10 @@ json_t *explain_free(const explain_options *o, const palp_explanation *e) {
     for (size_t i = 0; i < f->n; i++) {
         json_t *term = term_json(e, i);
         palp_formula formula;
-        if (o->sparse && !palp_formula_find(&e->model.free_term[i], f->information[i], f->pull[i], f->scale_N,
+        if (o->sparse && !palp_formula_find(term_of(e, i), f->information[i], f->pull[i], f->scale_N,
                                             o->false_alarm, &formula))
             json_object_set_new(term, "formula",
-                                formula.n ? formula_json(&e->model.free_term[i], &formula) : json_null());
+                                formula.n ? formula_json(term_of(e, i), &formula) : json_null());
         json_array_append_new(terms, term);
     }
     json_object_set_new(
@@ -136,10 +140,9 @@ void explain_free_say(json_t *story, const json_t *all) {
     palp_effect_id id;
     char line[LINE];
     for (size_t i = 0; (one = json_array_get(terms, i)) != NULL; i++) {
-        snprintf(line, LINE,
-                 "The model that is written has a free term of %s: %s, %.3g N, rms, evidence %.3g nats.",
+        snprintf(line, LINE, "The model that is written has a free term of %s: %s, %.3g N, rms.",
                  words_of(json_text_at(one, "depends_on")), json_text_at(one, "class"),
-                 json_number_at(one, "rms_N"), json_number_at(one, "evidence"));
+                 json_number_at(one, "rms_N"));
         json_array_append_new(story, json_text(line));
         say_formula(story, json_object_get(one, "formula"));
     }

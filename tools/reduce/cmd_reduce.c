@@ -296,8 +296,8 @@ static int run(const reduce_options *o, reduction *r) {
                       "is a lumped model, which needs no reduction; give a network", &r->model, &r->source);
     if (code)
         return code;
-    if (r->model.n_effects > 0)
-        return cli_failure(NAME, "%s: a model with effects cannot be reduced", o->model);
+    if (r->model.n_effects + r->model.n_free > 0)
+        return cli_failure(NAME, "%s: a model with effects or free terms cannot be reduced", o->model);
     code = read_runs(r);
     code = code ? code : hold_out(r);
     if (code == CLI_OK) {

@@ -70,9 +70,9 @@ int simulate_tip(const simulate_options *o, simulation *s) {
         palp_experiment_get_number(s->like, "tip.radius_mm", &radius_mm);
     if (!(radius_mm > 0))
         return cli_usage_error(NAME, "a sphere needs --tip-radius-mm");
-    if (s->model.n_effects > 0 || o->protocol == 3)
+    if (s->model.n_effects + s->model.n_free > 0 || o->protocol == 3)
         return cli_usage_error(NAME, "%s does not go with a sphere",
-                               o->protocol == 3 ? "--protocol creep" : "a model with effects");
+                               o->protocol == 3 ? "--protocol creep" : "a model with effects or free terms");
     s->tip_radius_m = 1e-3 * radius_mm;
     for (int k = 0; k < 2; k++) {
         double place_mm = o->tip_mm[k];

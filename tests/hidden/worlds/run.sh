@@ -1,7 +1,7 @@
 #!/bin/sh
 # run.sh: writes the cases of laboratories that are not ours, takes each the whole way (characterize, then explain), judges the answers.
-#   run.sh [--seed N] [--set all|quick|testers] [--jobs N] [--out DIR] [--oracle] [--likelihood] [--report-only] [--print-table]
-# With --likelihood characterize is asked so.
+#   run.sh [--seed N] [--set all|quick|testers|outside] [--jobs N] [--out DIR] [--oracle] [--likelihood] [--report-only] [--print-table]
+# With --likelihood characterize is asked so. The set outside is what comes again in all runs and is in no catalogue.
 # From any folder; PALPATE is the command (default: build/palpate of this tree), CC compiles the generator. A run that was interrupted
 # goes on in its --out while the seed, the set, the generator and the command are the same. See ../README.md.
 set -u
@@ -14,7 +14,7 @@ if [ "${1-}" = one ]; then # from xargs: folder, options of characterize: the wh
     [ ! -e done ] || exit 0
     ulimit -t 900
     "$PALPATE" characterize run_*.csv "$@" $LIKELIHOOD --out model.json --force >characterize.log 2>&1 </dev/null &&
-        "$PALPATE" explain --model model.json run_*.csv --jobs 1 --result result.json --out explained.json --force >explain.log 2>&1 </dev/null
+        "$PALPATE" explain --model model.json run_*.csv --jobs 1 --sparse --result result.json --out explained.json --force >explain.log 2>&1 </dev/null
     echo $? >done
     exit 0
 fi
@@ -69,5 +69,6 @@ echo "$tool" >"$out/asked"
 list() { python3 "$here/judge.py" --truth "$out/truth.json" --list "$1" | sed "s|^|$1 $out/cases/|" | grep . ; }
 list one | xargs -L 1 -P "$jobs" sh "$here/run.sh"
 [ -z "$oracle" ] || list oracle | xargs -L 1 -P "$jobs" sh "$here/run.sh"
+[ "$set" != outside ] || exec python3 "$here/judge_free.py" --cases "$out/cases" --truth "$out/truth.json"
 # shellcheck disable=SC2086
 python3 "$here/judge.py" --cases "$out/cases" --truth "$out/truth.json" $judge
