@@ -23,9 +23,9 @@ SHAPE = 0.25    # of an exponent or a time: so near it is the generator's own
 
 def closed(truth, result):
     """Share of what the truth would close that is closed on runs left out; None: there is nothing to close."""
-    free = result.get("free_term")
-    before = free["heldout_before_N"] if free else result["gap"]["heldout_before_N"]
-    after = free["heldout_after_N"] if free else result["gap"]["heldout_after_N"]
+    free, left = result.get("free_term"), result["gap"]["heldout_after_N"]     # what law and effects close is not a term's
+    before = free["heldout_before_N"] if free else left
+    after = free["heldout_after_N"] if free else left
     open_ = before - truth["noise_N"]
     return (before - after) / open_ if open_ > 0.05 * truth["noise_N"] else None
 
