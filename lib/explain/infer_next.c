@@ -4,6 +4,7 @@
 #include "explain_result.h"
 
 #include <math.h>
+#include <palpate/random.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,15 +102,14 @@ static palp_status make_runs(const explain_data *data, const palp_explain_limits
     return PALP_OK;
 }
 
-/* The measured fit with the columns of the new runs too. */
-static palp_status extend(const infer_fit *full, const next_runs *next, infer_fit *fit) {
-    const size_t n_runs = next->n_before;
-    palp_status status = infer_fit_create_as(&full->c.model, &next->data, NULL, fit);
+/* The fit of the first n_runs of the data with the columns of all of them. */
+static palp_status extend(const infer_fit *full, size_t n_runs, const explain_data *data, infer_fit *fit) {
+    palp_status status = infer_fit_create_as(&full->c.model, data, NULL, fit);
     size_t n = 0;
     if (status)
         return status;
     for (size_t r = 0; r < n_runs; r++)
-        n += next->data.run[r].n;
+        n += data->run[r].n;
     fit->noise = full->noise;
     fit->sizes = full->sizes;
     fit->converter = full->converter;
@@ -126,7 +126,7 @@ static palp_status extend(const infer_fit *full, const next_runs *next, infer_fi
     memcpy(fit->scan, full->scan, fit->k * sizeof *fit->scan);
     memcpy(fit->c.contact, full->c.contact, n_runs * sizeof *fit->c.contact);
     memcpy(fit->c.gain, full->c.gain, n_runs * sizeof *fit->c.gain);
-    return infer_fit_evaluate(fit, &next->data);
+    return infer_fit_evaluate(fit, data);
 }
 
 /* Forces of the possible runs. */
@@ -219,27 +219,127 @@ static palp_status weigh(next_runs *next, next_class *all, size_t k, double nats
     return status;
 }
 
-/* Adds run after run, each the best beside those before, as long as the information grows more than the time:
- * it is divided by the time of the experiment and of the limit. So a run that takes all of the time must tell
+/* ---- a rehearsal ---- */
+
+/* The measured runs, the chosen ones and run k, which record the forces of a cause and the noise of the runs.
+ */
+static void rehearse_runs(const next_runs *next, size_t k, const double *force, double *recorded,
+                          explain_run *run, explain_data *data) {
+    uint64_t seed = 1;
+    *data = next->data;
+    data->run = run;
+    data->n_runs = next->n_before;
+    data->n = 0;
+    memcpy(run, next->data.run, next->n_before * sizeof *run);
+    for (size_t r = 0; r < next->n_before; r++)
+        data->n += run[r].n;
+    for (size_t q = 0; q < next->n; q++) {
+        if (q != k && !next->chosen[q])
+            continue;
+        explain_run *one = &run[data->n_runs++];
+        *one = next->data.run[next->n_before + q];
+        one->held_out = false;
+        one->force = recorded + q * EXPLAIN_PATH;
+        for (size_t i = 0; i < one->n; i++)
+            one->force[i] =
+                force[q * EXPLAIN_PATH + i] + one->white / sqrt(one->samples[i]) * palp_random_normal(&seed);
+        data->n += one->n;
+    }
+}
+
+/* Log evidence of a cause for them, its noise and sizes learned anew. */
+static palp_status rehearse_fit(const next_runs *next, const next_cause *c, const explain_data *data,
+                                double *score) {
+    enum { ROUNDS = 6, EVALUATIONS = 10 };
+    infer_fit fit = {.raw = NULL};
+    palp_status status = extend(c->measured, next->n_before, data, &fit);
+    if (!status)
+        status = infer_sizes_learn(&fit, data, ROUNDS);
+    if (!status)
+        status = infer_noise_learn(&fit, data, EVALUATIONS, true);
+    *score = status ? 0.0 : fit.promised;
+    if (fit.raw)
+        infer_fit_free(&fit);
+    return status;
+}
+
+/* As weigh, but noise and sizes may take what a wrong cause leaves: those of the runs so far need not stay.
+ */
+static palp_status rehearse(const next_runs *next, next_class *all, size_t k, double nats[CAUSES][CAUSES],
+                            double *told) {
+    const size_t most = next->n_before + next->n;
+    explain_run *run = malloc(most * sizeof *run);
+    double *recorded = malloc((next->n + 1) * EXPLAIN_PATH * sizeof *recorded), score[CAUSES][CAUSES];
+    palp_status status = run && recorded ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t j = 0; j < all->n && !status; j++) {
+        explain_data data;
+        rehearse_runs(next, k, all->cause[j].force, recorded, run, &data);
+        for (size_t i = 0; i < all->n && !status; i++)
+            status = rehearse_fit(next, &all->cause[i], &data, &score[i][j]);
+    }
+    for (size_t i = 0; i < all->n && !status; i++)
+        for (size_t j = 0; j < all->n; j++)
+            nats[i][j] = fmax(0.0, score[j][j] - score[i][j]);
+    *told = status ? 0.0 : information(all, nats);
+    free(run);
+    free(recorded);
+    return status;
+}
+
+/* ---- the choice ---- */
+
+/* Information over the time of the experiment plus the limit: a run that takes all of the time must tell
  * twice as much as one that takes none. */
+static double value_of(const next_runs *next, double told, double time) {
+    return told / (next->limits.time_s + time);
+}
+
+static double time_with(const next_runs *next, const palp_explain_next *out, size_t k) {
+    return out->time_s + next->protocol[k].duration + next->limits.rest_s;
+}
+
+/* The most promising run of each speed, list[EXPLAIN_PROTOCOLS]: what noise can take of a misfit depends on
+ * how slow it is. */
+static palp_status list_promising(next_runs *next, next_class *all, const palp_explain_next *out,
+                                  size_t *list, size_t *n) {
+    double nats[CAUSES][CAUSES], told, best[EXPLAIN_PROTOCOLS];
+    palp_status status = PALP_OK;
+    *n = 0;
+    for (size_t k = 0; k < next->n && !status; k++) {
+        const double time = time_with(next, out, k);
+        size_t a = 0;
+        if (next->chosen[k] || next->lost[k] || time > next->limits.time_s)
+            continue;
+        status = weigh(next, all, k, nats, &told);
+        while (a < *n && next->protocol[list[a]].rate != next->protocol[k].rate)
+            a++;
+        if (!status && (a == *n || value_of(next, told, time) > best[a])) {
+            *n += a == *n;
+            best[a] = value_of(next, told, time);
+            list[a] = k;
+        }
+    }
+    return status;
+}
+
+/* Adds run after run, each the best beside those before, as long as the information grows more than the time.
+ */
 static palp_status choose(next_runs *next, next_class *all, palp_explain_next *out) {
     double unknown = 0.0, most = 0.0;
     palp_status status = PALP_OK;
     for (size_t i = 0; i < all->n; i++)
         unknown -= all->cause[i].probability * log(all->cause[i].probability);
-    for (size_t best = 0; best < next->n && out->n_runs < PALP_EXPLAIN_NEXT_RUNS && !status;) {
-        double nats[CAUSES][CAUSES], told, best_time = 0.0;
-        best = next->n;
-        for (size_t k = 0; k < next->n && !status; k++) {
-            const double time = out->time_s + next->protocol[k].duration + next->limits.rest_s;
-            if (next->chosen[k] || next->lost[k] || time > next->limits.time_s)
+    while (out->n_runs < PALP_EXPLAIN_NEXT_RUNS && !status) {
+        size_t list[EXPLAIN_PROTOCOLS], n, best = next->n;
+        double nats[CAUSES][CAUSES], told;
+        status = list_promising(next, all, out, list, &n);
+        for (size_t a = 0; a < n && !status; a++) {
+            const double time = time_with(next, out, list[a]);
+            status = rehearse(next, all, list[a], nats, &told);
+            if (status || !(value_of(next, told, time) > most))
                 continue;
-            status = weigh(next, all, k, nats, &told);
-            if (status || !(told / (next->limits.time_s + time) > most))
-                continue;
-            most = told / (next->limits.time_s + time);
-            best = k;
-            best_time = time;
+            most = value_of(next, told, time);
+            best = list[a];
             out->information = told / unknown;
             out->nats = fmin(nats[0][1], nats[1][0]);
         }
@@ -249,8 +349,8 @@ static palp_status choose(next_runs *next, next_class *all, palp_explain_next *o
             out->separation_N =
                 explain_separation(&next->path[best], all->cause[0].force + best * EXPLAIN_PATH,
                                    all->cause[1].force + best * EXPLAIN_PATH);
+        out->time_s = time_with(next, out, best);
         next->chosen[best] = true;
-        out->time_s = best_time;
         out->run[out->n_runs++] = explain_next_run_of(&next->protocol[best]);
     }
     return status;
@@ -283,7 +383,7 @@ palp_status infer_next_find(const infer_search *full, const infer_search *rest,
     for (size_t i = 0; i < all.n && !status; i++)
         status = predict(runs, &all.cause[i]);
     for (size_t i = 0; i < all.n && !status; i++)
-        status = extend(all.cause[i].measured, runs, &all.cause[i].fit);
+        status = extend(all.cause[i].measured, runs->n_before, &runs->data, &all.cause[i].fit);
     for (size_t i = 0; i < all.n && !status; i++)
         status = compare(runs, &all, i);
     if (!status)
