@@ -8,7 +8,7 @@ python3 "$ROOT/tests/cli/import_vendors.py" files || fail "files"
 [ "$(ls files | wc -l)" -gt 40 ] || fail "$(ls files | wc -l) files"
 mkdir made
 for file in files/*; do
-    name=$(basename "$file")
+    name=$(basename "$file") && mkdir "made/$name" # with an ending of a file it has to be there
     "$PALPATE" import "$file" --out "made/$name" >/dev/null 2>err && continue
     grep -q "has no height of the specimen" err || { fail "$name"; tail -n 1 err; }
     expect 0 import "$file" --specimen-height-mm 20 --out "made/$name"
