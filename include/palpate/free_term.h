@@ -1,5 +1,5 @@
 /* free_term.h: a part of a model that has no name: a force that depends on the path of the plate, as a table
- * with its uncertainty. palpate explain finds it where no effect of the catalogue fits. May change. */
+ * with its uncertainty. palpate explain finds it where no effect of the catalogue fits. Stable. */
 #ifndef PALPATE_FREE_TERM_H
 #define PALPATE_FREE_TERM_H
 

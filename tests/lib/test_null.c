@@ -155,6 +155,14 @@ START_TEST(null_in_explain) {
     REFUSED(palp_explain_material(&model, 2, (void *)storage, (void *)storage, (void *)storage, NULL, NULL));
     REFUSED(palp_explain_frame(2, NULL, (void *)storage, NULL));
     REFUSED(palp_explain_frame(2, (void *)storage, NULL, NULL));
+    REFUSED(palp_free_term_check(NULL));
+    REFUSED(palp_formula_find(NULL, (void *)storage, (void *)storage, 1, 0.05, (void *)storage));
+    palp_free_term term = {.to = 1, .depth_m = 1, .slow_m_s = 1};
+    NOTHING(palp_free_term_check(&term) == PALP_OK);
+    NOTHING(palp_formula_force(NULL, 0.5) == 0.0);
+    REFUSED(palp_formula_find(&term, NULL, (void *)storage, 1, 0.05, (void *)storage));
+    REFUSED(palp_formula_find(&term, (void *)storage, NULL, 1, 0.05, (void *)storage));
+    REFUSED(palp_formula_find(&term, (void *)storage, (void *)storage, 1, 0.05, NULL));
 }
 END_TEST
 
