@@ -340,14 +340,17 @@ typedef enum palp_formula_form {
 
 enum { PALP_FORMULA_PARTS = 3 };
 
-/* A sum of few forms, each times a force in N. Intervals are 95 %. */
+/* A form times a force in N. Intervals are 95 %. */
+typedef struct palp_formula_part {
+    palp_formula_form form;
+    double force_N, force_low_N, force_high_N, shape, shape_low, shape_high;
+} palp_formula_part;
+
+/* A sum of few forms. */
 typedef struct palp_formula {
     size_t n;     /* 0: no sum of these forms is more probable than nothing */
     double scale; /* the largest of what the term depends on: strain, s, m/s or m */
-    struct {
-        palp_formula_form form;
-        double force_N, force_low_N, force_high_N, shape, shape_low, shape_high;
-    } part[PALP_FORMULA_PARTS];
+    palp_formula_part part[PALP_FORMULA_PARTS];
     double evidence;      /* over no force at all, nats */
     double evidence_over; /* over the best formula whose last part is another; HUGE_VAL: there is none */
 } palp_formula;
