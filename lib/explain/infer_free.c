@@ -427,12 +427,14 @@ palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
         memcpy(e->free.evidence, evidence, sizeof evidence);
         e->free.resembles = find_nearest(e);
         status = write_model(&t->fit, s, e);
-        e->verdict = PALP_EXPLAIN_UNEXPLAINED;
+        e->verdict = status ? e->verdict : PALP_EXPLAIN_UNEXPLAINED;
     }
+    if (status) /* what cannot be fitted, or was stopped, is no term; all else that was found stays */
+        e->free = (palp_explain_free){.resembles = PALP_EFFECT_COUNT};
     if (t->fit.raw)
         infer_fit_free(&t->fit);
     if (without.raw)
         infer_fit_free(&without);
     free(t);
-    return status;
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }

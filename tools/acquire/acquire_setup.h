@@ -50,7 +50,7 @@ typedef struct acquire_until {
  * explain.json, explained.json and next.json stand beside the recordings. summary: of the session, or NULL;
  * gets the further runs and the verdict. Returns an exit code, CLI_NOT_CONVERGED where more than one cause is
  * left or none fits. */
-int acquire_until_explained(const acquire_setup *setup, acquire_plan *plan, const acquire_until *how,
+int acquire_until_explained(acquire_setup *setup, acquire_plan *plan, const acquire_until *how,
                             json_t *summary);
 
 #endif

@@ -20,7 +20,7 @@ enum { FILES = 512, WORDS = FILES + 24, NUMBER = 32 };
 
 /* Recordings of all sessions so far, and what explain makes of them. */
 typedef struct sessions {
-    const acquire_setup *setup;
+    acquire_setup *setup;
     const acquire_until *how;
     size_t n;
     char *file[FILES]; /* [n] owned */
@@ -57,7 +57,7 @@ static int explain(const sessions *u) {
     posix_spawn_file_actions_t files;
     pid_t child;
     int status = 0;
-    snprintf(time, sizeof time, "%.9g", u->left_s);
+    snprintf(time, sizeof time, "%.9g", fmax(1e-3, u->left_s)); /* too little for any run */
     snprintf(rest, sizeof rest, "%.9g", u->rest_s);
     snprintf(every, sizeof every, "%zu", u->how->every);
     argv[n++] = time;
@@ -128,8 +128,8 @@ static void add_summary(json_t *all, json_t *more) {
 /* Explains, and measures what explain asks for, while several causes are left and there is time. *verdict: of
  * the last result, which the caller releases. */
 static int go_on(sessions *u, acquire_plan *plan, json_t *summary, json_t **result) {
-    acquire_options again = u->setup->session;
-    again.keep_contact = true;
+    acquire_options *again = &u->setup->session;
+    again->keep_contact = true;
     for (size_t round = 1;; round++) {
         rig_pause(&u->setup->virtual_one, true);
         int code = explain(u);
@@ -148,7 +148,8 @@ static int go_on(sessions *u, acquire_plan *plan, json_t *summary, json_t **resu
             return code;
         u->left_s -= acquire_plan_time_s(plan);
         json_t *more = NULL;
-        code = acquire_session(&again, plan, summary ? &more : NULL);
+        rig_open_again(&u->setup->virtual_one); /* which again->where names */
+        code = acquire_session(again, plan, summary ? &more : NULL);
         add_summary(summary, more);
         code = code ? code : add_files(u, plan);
         if (code)
@@ -156,7 +157,7 @@ static int go_on(sessions *u, acquire_plan *plan, json_t *summary, json_t **resu
     }
 }
 
-int acquire_until_explained(const acquire_setup *setup, acquire_plan *plan, const acquire_until *how,
+int acquire_until_explained(acquire_setup *setup, acquire_plan *plan, const acquire_until *how,
                             json_t *summary) {
     sessions *u = calloc(1, sizeof *u);
     json_t *result = NULL;

@@ -168,12 +168,11 @@ static int open_fd(const char *number, char why[LINK_TEXT]) {
     char *end;
     long fd = strtol(number, &end, 10);
     int flags = *number && !*end && fd >= 0 && fd <= INT_MAX ? fcntl((int)fd, F_GETFL) : -1;
-    int own = flags < 0 || fcntl((int)fd, F_SETFL, flags | O_NONBLOCK) < 0
-                  ? -1
-                  : fcntl((int)fd, F_DUPFD_CLOEXEC, 0); /* it stays open for another link */
-    if (own < 0)
+    if (flags < 0 || fcntl((int)fd, F_SETFL, flags | O_NONBLOCK) < 0) {
         snprintf(why, LINK_TEXT, "fd:%s is not an open descriptor", number);
-    return own;
+        return -1;
+    }
+    return (int)fd;
 }
 
 static int open_descriptor(const char *where, bool *known, char why[LINK_TEXT]) {

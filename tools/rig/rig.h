@@ -64,11 +64,12 @@ int rig_run(const char *name, const rig_settings *settings, const volatile int *
  */
 typedef struct rig {
     pid_t child;
-    int fd;        /* this end of the line */
+    int fd;        /* this end of the line; the port is a copy */
     char port[32]; /* what link_open() takes */
 } rig;
 int rig_open(const char *name, const rig_settings *settings, rig *r);
 int rig_close(rig *r);                 /* ends it; its exit code */
+void rig_open_again(rig *r);           /* a new port, as the link that was closed has closed its own */
 void rig_pause(const rig *r, bool on); /* its clock stands still, and it takes no time of the processor */
 
 #endif

@@ -4,6 +4,7 @@
 #include "rig_internal.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -70,9 +71,14 @@ int rig_open(const char *name, const rig_settings *settings, rig *r) {
         rig_close(r);
         return code ? code : cli_failure(name, "the virtual indenter does not start");
     }
-    r->fd = end[0];
-    snprintf(r->port, sizeof r->port, "fd:%d", r->fd);
+    r->fd = fcntl(end[0], F_DUPFD_CLOEXEC, 0);
+    snprintf(r->port, sizeof r->port, "fd:%d", end[0]);
     return CLI_OK;
+}
+
+void rig_open_again(rig *r) {
+    if (r->child > 0)
+        snprintf(r->port, sizeof r->port, "fd:%d", fcntl(r->fd, F_DUPFD_CLOEXEC, 0));
 }
 
 void rig_pause(const rig *r, bool on) {
