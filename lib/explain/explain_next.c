@@ -71,12 +71,12 @@ size_t explain_protocols_list(const palp_explain_limits *l, explain_protocol *li
     return n;
 }
 
-/* Straight to a depth, by at most so many samples. growth: of their distances from one to the next. */
+/* Straight to a depth, by at most so many samples, or 2. growth: of their distances from one to the next. */
 static void go(const explain_data *data, double depth, double seconds, size_t most, double growth,
                explain_path *p) {
     const double t = p->time[p->n - 1], d = p->depth[p->n - 1];
     const double fine = floor(seconds / data->step);
-    const size_t n = fine < 2.0 ? 2 : fine < (double)most ? (size_t)fine : most;
+    const size_t few = most < 2 ? 2 : most, n = fine < 2.0 ? 2 : fine < (double)few ? (size_t)fine : few;
     const double all = growth > 1.0 ? pow(growth, (double)n) - 1.0 : (double)n;
     for (size_t k = 1; k <= n && p->n < EXPLAIN_PATH; k++) {
         const double part = (growth > 1.0 ? pow(growth, (double)k) - 1.0 : (double)k) / all;

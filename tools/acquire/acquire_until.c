@@ -50,10 +50,10 @@ static int add_files(sessions *u, const acquire_plan *plan) {
 
 /* Ctrl-C reaches the child too, which then writes what it has found. */
 static int explain(const sessions *u) {
-    const char *argv[WORDS] = {"palpate", "explain", "--model", u->how->model, "--result", u->result,
-                               "--next",  u->next,   "--out",   u->explained,  "--force",  "--next-time-s"};
+    const char *argv[WORDS] = {"palpate", "explain", "--model", u->how->model, "--result",     u->result,
+                               "--next",  u->next,   "--out",   u->explained,  "--next-time-s"};
     char time[NUMBER], rest[NUMBER], every[NUMBER];
-    size_t n = 12;
+    size_t n = 11;
     posix_spawn_file_actions_t files;
     pid_t child;
     int status = 0;

@@ -3,6 +3,7 @@
 #include "acquire_setup.h"
 #include "shared/commands.h"
 #include "shared/json_out.h"
+#include "shared/opening.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -281,8 +282,16 @@ static int run_session(choice *c, acquire_plan *plan) {
     return code;
 }
 
+/* Whether explain will be able to read the model, before anything moves. */
+static int check_model(const char *file) {
+    palp_model model;
+    palp_mesh_source source;
+    return file ? open_model(NAME, file, &model, &source) : CLI_OK;
+}
+
 static int with_device(choice *c, acquire_plan *plan) {
-    int code = acquire_setup_prepare(NAME, &c->setup);
+    int code = check_model(c->until.model);
+    code = code ? code : acquire_setup_prepare(NAME, &c->setup);
     code = code ? code : check_specimen(c, plan);
     code = code ? code : check_files(c, plan);
     code = code ? code : acquire_setup_open(NAME, &c->setup);
