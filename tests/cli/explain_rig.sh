@@ -64,7 +64,7 @@ alarm=0.005 # a smaller one wants more experiments until it takes two effects ap
 session arm relaxation_arm '"stiffness_N": 0.5, "time_s": 6'
 expect 1 acquire --port rig:rig.json --firmware host --protocol protocol.json --out none --until-explained none.json
 [ ! -e none ] || fail "it moved although the model is not there"
-expect 0 acquire --port rig:rig.json --firmware host --protocol protocol.json --out until --until-explained plain.json --every 8 --json
+expect 0 acquire --port rig:rig.json --firmware host --protocol protocol.json --out until --until-explained plain.json --every 8 --false-alarm $alarm --json
 grep -q '"verdict": "explained"' out || fail "not explained: $(cat err)"
 cp until/explained.json until/explain.json .
 near "stiffness of the arm" "$(found relaxation_arm stiffness_N)" 0.5 0.1
@@ -72,7 +72,7 @@ near "time of the arm" "$(found relaxation_arm time_s)" 6 0.1
 # Without time for an experiment it says what is left.
 case $(verdict) in
 ambiguous)
-    expect 3 acquire --port rig:rig.json --firmware host --protocol protocol.json --out short --until-explained plain.json --every 8 --budget-s 0.1
+    expect 3 acquire --port rig:rig.json --firmware host --protocol protocol.json --out short --until-explained plain.json --every 8 --false-alarm $alarm --budget-s 0.1
     grep -q 'several causes are left' err || fail "no word of the causes: $(cat err)" ;;
 esac
 

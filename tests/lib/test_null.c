@@ -159,6 +159,11 @@ START_TEST(null_in_explain) {
     REFUSED(palp_formula_find(NULL, (void *)storage, (void *)storage, 1, 0.05, (void *)storage));
     palp_free_term term = {.to = 1, .depth_m = 1, .slow_m_s = 1};
     NOTHING(palp_free_term_check(&term) == PALP_OK);
+    NOTHING(isnan(palp_free_term_coordinate(NULL, 0.5)));
+    REFUSED(palp_free_term_add(NULL, 2, numbers, numbers, 0.01, 0, numbers));
+    REFUSED(palp_free_term_add(&term, 2, NULL, numbers, 0.01, 0, numbers));
+    REFUSED(palp_free_term_add(&term, 2, numbers, NULL, 0.01, 0, numbers));
+    REFUSED(palp_free_term_add(&term, 2, numbers, numbers, 0.01, 0, NULL));
     NOTHING(palp_formula_force(NULL, 0.5) == 0.0);
     REFUSED(palp_formula_find(&term, NULL, (void *)storage, 1, 0.05, (void *)storage));
     REFUSED(palp_formula_find(&term, (void *)storage, NULL, 1, 0.05, (void *)storage));

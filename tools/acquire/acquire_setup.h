@@ -40,9 +40,10 @@ int acquire_setup_close(acquire_setup *setup);
 
 /* How a session goes on (acquire_until.c). */
 typedef struct acquire_until {
-    const char *model; /* NULL: it does not */
-    double time_s;     /* for all further experiments; 0: as long as the session takes */
-    size_t every;      /* of each run explain takes one sample in so many; 0: as many as it likes */
+    const char *model;  /* NULL: it does not */
+    double time_s;      /* for all further experiments; 0: as long as the session takes */
+    size_t every;       /* of each run explain takes one sample in so many; 0: as many as it likes */
+    double false_alarm; /* chance that explain names an effect where none is; 0: explain's own */
 } acquire_until;
 
 /* After a session of this plan: palpate explain says what its recordings and the model leave open, and

@@ -52,7 +52,7 @@ static int add_files(sessions *u, const acquire_plan *plan) {
 static int explain(const sessions *u) {
     const char *argv[WORDS] = {"palpate", "explain", "--model", u->how->model, "--result",     u->result,
                                "--next",  u->next,   "--out",   u->explained,  "--next-time-s"};
-    char time[NUMBER], rest[NUMBER], every[NUMBER];
+    char time[NUMBER], rest[NUMBER], every[NUMBER], alarm[NUMBER];
     size_t n = 11;
     posix_spawn_file_actions_t files;
     pid_t child;
@@ -60,6 +60,7 @@ static int explain(const sessions *u) {
     snprintf(time, sizeof time, "%.9g", fmax(1e-3, u->left_s)); /* too little for any run */
     snprintf(rest, sizeof rest, "%.9g", u->rest_s);
     snprintf(every, sizeof every, "%zu", u->how->every);
+    snprintf(alarm, sizeof alarm, "%.9g", u->how->false_alarm);
     argv[n++] = time;
     if (u->rest_s > 0) {
         argv[n++] = "--next-rest-s";
@@ -68,6 +69,10 @@ static int explain(const sessions *u) {
     if (u->how->every > 0) {
         argv[n++] = "--every";
         argv[n++] = every;
+    }
+    if (u->how->false_alarm > 0) {
+        argv[n++] = "--false-alarm";
+        argv[n++] = alarm;
     }
     for (size_t i = 0; i < u->n; i++)
         argv[n++] = u->file[i];

@@ -97,6 +97,8 @@ static size_t explain_options(choice *c, cli_option *list) {
                      "time of the device for these experiments, s (default: as long as the runs)"),
         cli_count("every", "N", 1, 1e6, &c->until.every,
                   "explain takes one sample in N (default: so many that 20000 remain)"),
+        cli_number("false-alarm", "P", 1e-4, 0.5, &c->until.false_alarm,
+                   "chance that explain names an effect where none is (default 0.05)"),
     };
     memcpy(list, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -194,9 +196,11 @@ static int check_options(choice *c) {
         return cli_usage_error(NAME,
                                "say what the plate does by one of --static, --ramp-hold, --cycles, --sweep, "
                                "--protocol, --thesis-protocol");
-    if ((c->until.time_s > 0 || c->until.every > 0) && !c->until.model)
+    if ((c->until.time_s > 0 || c->until.every > 0 || c->until.false_alarm > 0) && !c->until.model)
         return cli_usage_error(NAME, "--%s needs --until-explained MODEL.json",
-                               c->until.time_s > 0 ? "budget-s" : "every");
+                               c->until.time_s > 0  ? "budget-s"
+                               : c->until.every > 0 ? "every"
+                                                    : "false-alarm");
     return check_motion(c, mode);
 }
 
