@@ -74,6 +74,7 @@ static int explain(const sessions *u) {
         argv[n++] = "--false-alarm";
         argv[n++] = alarm;
     }
+    argv[n++] = "--"; /* a folder's name may begin with a dash */
     for (size_t i = 0; i < u->n; i++)
         argv[n++] = u->file[i];
     unlink(u->next); /* that of an earlier result */

@@ -20,6 +20,7 @@ async function order(path, body) {
 }
 
 async function emergency() {
+  series = null;
   $("emergency").classList.add("pressed");
   let got = null; /* a server that is crowded may close this connection unread: ask again */
   for (let tries = 0; tries < 20 && !got; tries++) got = await order("/emergency");
@@ -152,7 +153,7 @@ function showLost() {
   $("fault").hidden = true;
   $("state").textContent = "not known";
   $("state").className = $("state").dataset.state = $("doing").textContent = "";
-  for (const b of document.querySelectorAll("[data-do], [data-jog], [data-job], #stop, #start")) b.disabled = true;
+  for (const b of document.querySelectorAll("[data-do], [data-jog], [data-job], #stop, #start, #until")) b.disabled = true;
   document.body.classList.add("stale");
 }
 
@@ -318,10 +319,64 @@ async function showFound() {
   $("found").replaceChildren(...parts);
 }
 
+/* ---- explain, measure, explain again ---- */
+
+let series = null; /* the one under way; what ends it sets this to null */
+
+/* The server's answer once it shows this, or null where the series was ended before. */
+async function whenLive(mine, shows) {
+  while (series === mine) {
+    const live = await ask("GET", `/live?point=${nextPoint}&note=${nextNote}`);
+    if (shows(live)) return live;
+    await new Promise(r => setTimeout(r, 200));
+  }
+  return null;
+}
+
+async function explainChosen(mine, left) {
+  const before = (await ask("GET", `/live?point=${nextPoint}&note=${nextNote}`)).job.done;
+  await ask("POST", "/job?what=explain&next_s=" + left, [...marked.keys()].join(","));
+  const live = await whenLive(mine, l => l.job.done > before);
+  return live && live.job.good ? ask("GET", "/made?name=explain.json") : null;
+}
+
+/* False where it did not go to its end. */
+async function measureNext(mine) {
+  const old = new Set(runs.map(r => r.name));
+  await ask("POST", "/start", JSON.stringify(await ask("GET", "/made?name=next.json")));
+  const live = await whenLive(mine, l => !l.state.busy);
+  await listRuns();
+  const fresh = runs.filter(r => !old.has(r.name));
+  for (const r of fresh) await mark(r.name, true);
+  return live !== null && live.state.state !== "fault" && !live.state.gone && fresh.length > 0 && fresh.every(r => r.fault === null);
+}
+
+async function measureUntilExplained(mine) {
+  for (let left = 60 * Number($("budget").value); ;) {
+    if (!(left > 0)) return "The time for measuring must be a number above 0.";
+    const found = await explainChosen(mine, left), next = found && found.next_experiment;
+    if (!found) return "The series has ended before an explanation.";
+    if (found.verdict !== "ambiguous") return `The series has ended: ${found.verdict}.`;
+    if (!next || !next.runs.length || next.time_s > left) return "Several causes are left: no further experiment fits the time.";
+    left -= next.time_s;
+    if (!await measureNext(mine)) return "The series has ended: an experiment was not recorded whole.";
+  }
+}
+
+async function toggleSeries() {
+  if (series) { series = null; order("/stop"); order("/job?what=cancel"); return; }
+  const mine = series = {};
+  $("until").textContent = "End the series";
+  try { note(await measureUntilExplained(mine), false); } catch (e) { note(e.message, true); }
+  if (series === mine) series = null;
+  $("until").textContent = "Explain, measure, explain again";
+}
+
 let jobShown = "";
 function showJob(job) {
   const names = { fit: "fitting", explain: "explaining, which may take minutes", report: "writing the report" };
   for (const b of document.querySelectorAll("[data-job]")) b.disabled = job.running || !marked.size;
+  $("until").disabled = !series && (job.running || !marked.size || now.busy || now.gone || now.state === "fault");
   $("cancel").hidden = !job.running;
   $("job").textContent = job.running ? names[job.what] + " ..." : marked.size ? "" : "Choose runs: they are drawn, and can be fitted.";
   if (jobShown.startsWith("true") && !job.running && job.good && job.what === "report") {
@@ -527,12 +582,13 @@ function makeForm() {
 
 $("emergency").onclick = emergency;
 document.addEventListener("keydown", e => { if (e.key === "Escape") { e.preventDefault(); emergency(); } }, true);
-$("stop").onclick = () => order("/stop");
+$("stop").onclick = () => { series = null; order("/stop"); };
+$("until").onclick = toggleSeries;
 $("start").onclick = () => { $("start").disabled = true; $("span").value = "run"; overTime.zoom = overDepth.zoom = null; order("/start", $("protocol").value); };
 for (const b of document.querySelectorAll("[data-do]")) b.onclick = () => { b.disabled = true; order("/do?what=" + b.dataset.do); };
 for (const b of document.querySelectorAll("[data-jog]")) b.onclick = () => order(`/jog?by_mm=${b.dataset.jog}&rate_mm_s=${encodeURIComponent($("jog_rate").value)}`);
 $("choose").onclick = async () => { const all = marked.size < runs.length; for (const r of runs) if (marked.has(r.name) !== all) await mark(r.name, all); };
-$("cancel").onclick = () => order("/job?what=cancel");
+$("cancel").onclick = () => { series = null; order("/job?what=cancel"); };
 for (const b of document.querySelectorAll("[data-job]")) b.onclick = () => order("/job?what=" + b.dataset.job, [...marked.keys()].join(","));
 $("span").onchange = () => { overTime.zoom = overDepth.zoom = null; };
 makeForm();

@@ -69,6 +69,7 @@ typedef struct panel_job {
     bool started, running, cancelled; /* started: its thread must be joined */
     bool good;                        /* the last one */
     size_t done;                      /* jobs that have ended */
+    double next_s;                    /* time for the experiment that explain designs; 0: explain's own */
     pthread_t thread;
     pid_t child; /* 0 = none */
     size_t n;
@@ -156,8 +157,9 @@ json_t *panel_curve(const char *path, char why[ACQUIRE_TEXT]); /* NULL and why *
 
 #define PANEL_MODEL "all_runs.json" /* of all chosen runs together, in fits/ */
 
-/* runs: names between commas. False, and why, where no calculation can begin now. */
-bool panel_job_start(panel *p, panel_job_what what, const char *runs, char why[ACQUIRE_TEXT]);
+/* runs: names between commas. next_s: time for the experiment that explain designs; 0: explain's own. False,
+ * and why, where no calculation can begin now. */
+bool panel_job_start(panel *p, panel_job_what what, const char *runs, double next_s, char why[ACQUIRE_TEXT]);
 void panel_job_cancel(panel *p);
 void panel_job_close(panel *p);
 

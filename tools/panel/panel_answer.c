@@ -90,13 +90,17 @@ static panel_reply post_job(panel *p, const panel_request *q) {
     static const char *const names[] = {"fit", "explain", "report"};
     const char *what = q->query(q->context, "what");
     char why[ACQUIRE_TEXT];
+    double next_s = 0;
+    if (q->query(q->context, "next_s") && !(number_of(q, "next_s", &next_s) && next_s > 0 && next_s <= 1e7))
+        return wrong(BAD, "next_s must be a number above 0, 1e7 at most");
     if (what && strcmp(what, "cancel") == 0) {
         panel_job_cancel(p);
         return done();
     }
     for (int i = 0; what && i < 3; i++)
         if (strcmp(what, names[i]) == 0)
-            return panel_job_start(p, (panel_job_what)i, q->body, why) ? done() : wrong(BUSY, "%s", why);
+            return panel_job_start(p, (panel_job_what)i, q->body, next_s, why) ? done()
+                                                                               : wrong(BUSY, "%s", why);
     return wrong(BAD, "no such calculation");
 }
 

@@ -68,6 +68,12 @@ static void explain_line(line *l, const panel *p) {
     file(l, p, "fits/", "next.json", ".json");
     word(l, "--report");
     file(l, p, "fits/", "explain.html", ".html");
+    if (p->job.next_s > 0) {
+        char *time = place(l);
+        snprintf(time, CLI_PATH_MAX, "%.9g", p->job.next_s);
+        word(l, "--next-time-s");
+        word(l, time);
+    }
 }
 
 /* Whether the last result of explain is of the chosen runs. */
@@ -151,7 +157,8 @@ static void *work(void *context) {
     return NULL;
 }
 
-bool panel_job_start(panel *p, panel_job_what what, const char *names, char why[ACQUIRE_TEXT]) {
+bool panel_job_start(panel *p, panel_job_what what, const char *names, double next_s,
+                     char why[ACQUIRE_TEXT]) {
     char path[CLI_PATH_MAX];
     pthread_mutex_lock(&p->lock);
     bool free_now = !p->job.running;
@@ -160,6 +167,7 @@ bool panel_job_start(panel *p, panel_job_what what, const char *names, char why[
             pthread_join(p->job.thread, NULL); /* which has ended */
         p->job.started = p->job.cancelled = false;
         p->job.what = what;
+        p->job.next_s = next_s;
         p->job.n = 0;
         for (const char *at = names; at && *at && p->job.n < PANEL_JOB_RUNS;
              at += at[strcspn(at, ",")] == ',') {

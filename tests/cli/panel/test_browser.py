@@ -25,7 +25,7 @@ def drawn(b, canvas):
 os.makedirs("seen/fits")
 NEXT = {"kind": "ramp_hold", "depth_mm": 4.25, "ramp_s": 0.5, "hold_s": 30}
 with open("seen/fits/explain.json", "w") as f:
-    json.dump({"verdict": "explained", "effects": [{"id": "sensor_lag"}], "next_experiment": {"run": NEXT}}, f)
+    json.dump({"verdict": "explained", "effects": [{"id": "sensor_lag"}], "next_experiment": {"runs": [NEXT], "time_s": 40}}, f)
 with open("seen/fits/next.json", "w") as f:
     json.dump({"palpate": {"protocol": 1}, "about": "tells one from another", "runs": [NEXT]}, f)
 
@@ -105,6 +105,30 @@ try:
     b.click("[data-job=report]")
     b.until(f"{NOTES}.includes('The report is written')")
     assert p.ask("GET", "/made?name=report.html")[0] == 200
+
+    print("a series: explain asks for an experiment, which is run, and explained with the others")
+    with open("seen/fits/next.json", "w") as f:
+        json.dump({"palpate": {"protocol": 1}, "runs": [{"kind": "ramp_hold", "depth_mm": 1, "ramp_s": 0.5, "hold_s": 0.2, "rest_s": 0}]}, f)
+    # Calculations are not done: the first one finds two causes, the second one.
+    b.run("""(() => { const real = ask, next = { runs: [{ kind: 'ramp_hold', depth_mm: 1 }], time_s: 5 };
+        window.jobs = [];
+        ask = async (method, path, body, signal) => {
+          if (path.startsWith('/job')) { jobs.push([path, body]); return {}; }
+          if (path === '/made?name=explain.json')
+            return jobs.length < 2 ? { verdict: 'ambiguous', effects: [], next_experiment: next } : { verdict: 'explained', effects: [] };
+          const got = await real(method, path, body, signal);
+          if (path.startsWith('/live')) Object.assign(got.job, { done: got.job.done + jobs.length, good: true });
+          return got;
+        }; })()""")
+    b.run("(() => { document.querySelector('#budget').value = '1'; })()")
+    b.click("#until")
+    b.until(f"{NOTES}.includes('The series has ended: explained')")
+    assert b.run("jobs") == [["/job?what=explain&next_s=60", "ramp_hold_2mm.csv"], ["/job?what=explain&next_s=55", "ramp_hold_2mm.csv,ramp_hold_1mm.csv"]]
+    assert os.path.exists("seen/ramp_hold_1mm.csv")
+    b.run("jobs.length = 0")
+    b.run("(() => { document.querySelector('#budget').value = '0.05'; })()")
+    b.click("#until")
+    b.until(f"{NOTES}.includes('no further experiment fits the time')")
 
     print("the panel ends: what it showed is dimmed, and nothing can be ordered")
     dimmed = "Number(getComputedStyle(document.querySelector('.readouts')).opacity) < 0.5"

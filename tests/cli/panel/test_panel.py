@@ -122,6 +122,8 @@ def listed(p):
         assert p.ask("GET", f"/curve?run={name}")[0] in (400, 404), name
     for name in ("explain.json", "../protocol.json", "..%2fprotocol.json"):
         assert p.ask("GET", f"/made?name={name}")[0] == 404, name
+    for limit in ("0", "nan", "-1", "x"):
+        assert "next_s" in p.post(f"/job?what=explain&next_s={limit}", "ramp_hold_2mm.csv", wanted=400)["error"], limit
     for runs in ("", "none.csv", "../runs/ramp_hold_2mm.csv"):
         assert "choose runs" in p.post("/job?what=fit", runs, wanted=409)["error"]
 
@@ -134,7 +136,7 @@ def reported(p):
         while p.live()["job"]["done"] == done:
             time.sleep(0.02)
         assert p.live()["job"]["good"], p.notes
-    job("explain", "ramp_hold_2mm.csv")
+    job("explain&next_s=60", "ramp_hold_2mm.csv")
     result = json.load(open("runs/fits/explain.json"))
     said = json.dumps(result["next_sentence"])[1:-1]
     job("report", "ramp_hold_2mm.csv")
