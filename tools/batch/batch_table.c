@@ -99,9 +99,10 @@ static void put_value(const json_t *value, FILE *to) {
 }
 
 static void put_row(const batch_job *job, const batch_table *table, FILE *to) {
+    char shown[BATCH_NAME_MAX + 1];
     const char *name;
     json_t *number;
-    put_text(job->name, to);
+    put_text(palp_text_make_plain(strcpy(shown, job->name)), to);
     if (job->ended)
         fprintf(to, ",%d,%.3f", job->status, job->seconds);
     else

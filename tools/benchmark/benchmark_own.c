@@ -33,8 +33,8 @@ static void become(const char *const *words, const char *said) {
     _exit(127);
 }
 
-/* This program with these words; what it says, in a file of the folder, is told if it fails. */
-static int run_command(const char *folder, const char *const *words) {
+/* This program with these words about a run; what it says, in a file of the folder, is told if it fails. */
+static int run_command(const char *folder, const char *const *words, const char *run) {
     char said[CLI_PATH_MAX], line[512];
     int status = 0;
     snprintf(said, sizeof said, "%.4000s/said", folder);
@@ -47,7 +47,7 @@ static int run_command(const char *folder, const char *const *words) {
     if (pid > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0)
         return CLI_OK;
     last_line(said, line, sizeof line);
-    return cli_failure(BENCHMARK_NAME, "palpate %s %s failed: %s", words[1], words[2], line);
+    return cli_failure(BENCHMARK_NAME, "palpate %s %s failed: %s", words[1], run, line);
 }
 
 int benchmark_predict(const benchmark *b, const benchmark_program *own, const benchmark_split *split,
@@ -59,22 +59,23 @@ int benchmark_predict(const benchmark *b, const benchmark_program *own, const be
     bool fits = snprintf(model, CLI_PATH_MAX, "%s/model.json", folder) < CLI_PATH_MAX;
     words[n++] = "palpate";
     words[n++] = "characterize";
-    for (size_t i = 0; i < split->n_fit; i++) {
-        fits = benchmark_path(b, file[i], "%s", split->fit[i]) && fits;
-        words[n++] = file[i];
-    }
     for (size_t i = 0; i < own->n_words; i++)
         words[n++] = own->words[i];
     words[n++] = "--out";
     words[n++] = model;
+    words[n++] = "--";
+    for (size_t i = 0; i < split->n_fit; i++) {
+        fits = benchmark_path(b, file[i], "%s", split->fit[i]) && fits;
+        words[n++] = file[i];
+    }
     words[n] = NULL;
-    int code = fits ? run_command(folder, words)
+    int code = fits ? run_command(folder, words, file[0])
                     : cli_failure(BENCHMARK_NAME, "%s: a path is too long", split->name);
     for (size_t r = 0; r < split->n_predict && code == CLI_OK; r++) {
         fits = benchmark_path(b, file[0], "%s", split->predict[r]) &&
                snprintf(out, CLI_PATH_MAX, "%s/%zu.csv", folder, r) < CLI_PATH_MAX;
         const char *const simulate[] = {"palpate", "simulate", model, "--like", file[0], "--out", out, NULL};
-        code = fits ? run_command(folder, simulate)
+        code = fits ? run_command(folder, simulate, file[0])
                     : cli_failure(BENCHMARK_NAME, "%s: a path is too long", split->name);
     }
     return code;
