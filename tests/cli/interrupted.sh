@@ -11,8 +11,8 @@ import json, os, signal, subprocess, sys, time
 palpate, lumped, network = sys.argv[1:]
 
 
-def caught(process):
-    with open("/proc/%d/status" % process.pid) as f:
+def caught(pid):
+    with open("/proc/%s/status" % pid) as f:
         mask = next(int(line.split()[1], 16) for line in f if line.startswith("SigCgt"))
     return mask >> signal.SIGINT - 1 & 1
 
@@ -39,10 +39,38 @@ def ends(number):
 for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
     ends(number)
 
+# The folder in which benchmark fits goes too.
+os.makedirs("set/runs")
+os.mkdir("temporary")
+os.link("run.csv", "set/runs/run.csv")
+with open("set/benchmark.json", "w") as f:
+    json.dump({"palpate": {"benchmark": 1}, "palpate_with": [{"name": "palpate", "arguments": []}], "programs": [],
+               "splits": [{"name": "all", "leaves_out": "none", "fit": ["runs/run.csv"], "predict": ["runs/run.csv"]}]}, f)
+process = subprocess.Popen([palpate, "benchmark", "set"], env={**os.environ, "TMPDIR": os.path.abspath("temporary")}, start_new_session=True,
+                           stdout=subprocess.DEVNULL)
+while not any(os.listdir(os.path.join("temporary", f)) for f in os.listdir("temporary")):
+    assert process.poll() is None, "benchmark made no folder"
+os.killpg(process.pid, signal.SIGINT)
+assert process.wait() == -signal.SIGINT, "exit code %d of a stopped benchmark" % process.returncode
+assert not os.listdir("temporary"), "benchmark leaves %s" % os.listdir("temporary")
+
+# acquire hands a signal on to the explain that it started, and ends.
+process = subprocess.Popen([palpate, "acquire", "--port", "rig:" + lumped, "--firmware", "host", "--static", "--depth-mm", "0.5", "--rate-mm-s", "4",
+                            "--until-explained", lumped, "--out", "until"], stderr=subprocess.DEVNULL)
+child = []
+while not child:
+    assert process.poll() is None, "acquire has not waited for explain"
+    with open("/proc/%d/task/%d/children" % (process.pid, process.pid)) as f:
+        child = [p for p in f.read().split() if b"\0explain\0" in open("/proc/%s/cmdline" % p, "rb").read()]
+while not caught(child[0]):
+    time.sleep(0.001)
+process.send_signal(signal.SIGTERM)
+assert process.wait() in (1, 3), "exit code %d of acquire whose search was stopped" % process.returncode
+
 # The first SIGINT ends the search of explain: the result is whole and says so.
 with open("stopped.json", "w") as out, open("err", "w") as err:
     process = subprocess.Popen([palpate, "explain", "--model", lumped, "run.csv", "--json"], stdout=out, stderr=err)
-    while process.poll() is None and not caught(process):
+    while process.poll() is None and not caught(process.pid):
         time.sleep(0.001)
     process.send_signal(signal.SIGINT)
     assert process.wait() == 3, "exit code %d of a stopped search" % process.returncode
@@ -112,6 +140,11 @@ if [ "$(id -u)" -eq 0 ] && mkdir small && mount -t tmpfs -o size=8k tmpfs small 
     echo before >small/page.html
     full small/page.html report run.csv --out small/page.html
     full small/run.csv simulate "$L" --protocol ramp_hold --depth-mm 3 --sample-Hz 50 --out small/run.csv
+    full small/run.feb export "$M" --to febio --depth-mm 2 --out small/run.feb
+    for out in "export $L --to fmu --out small/run.fmu" "import run.csv --out small/run.h5"; do
+        "$PALPATE" $out 2>err && fail "palpate $out: a full disk is no failure"
+        grep -qE "small/run.(fmu|h5): cannot write: No space left on device|built without" err || fail "palpate $out: $(cat err)"
+    done
     left=$(ls small | tr '\n' ' ')$(cat small/page.html)
     umount small
     [ "$left" = "page.html before" ] || fail "on a full disk: $left"

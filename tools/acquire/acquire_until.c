@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,13 +49,14 @@ static int add_files(sessions *u, const acquire_plan *plan) {
     return CLI_OK;
 }
 
-/* Ctrl-C reaches the child too, which then writes what it has found. */
+/* The child is in a group of its own: a signal to this command asks it to end the search, and once more, to end. */
 static int explain(const sessions *u) {
     const char *argv[WORDS] = {"palpate", "explain", "--model", u->how->model, "--result",     u->result,
                                "--next",  u->next,   "--out",   u->explained,  "--next-time-s"};
     char time[NUMBER], rest[NUMBER], every[NUMBER], alarm[NUMBER];
     size_t n = 11;
     posix_spawn_file_actions_t files;
+    posix_spawnattr_t group;
     pid_t child;
     int status = 0;
     snprintf(time, sizeof time, "%.9g", fmax(1e-3, u->left_s)); /* too little for any run */
@@ -81,12 +83,15 @@ static int explain(const sessions *u) {
     fflush(NULL);
     posix_spawn_file_actions_init(&files); /* what it says is words, not this command's data */
     posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
-    const int failed = posix_spawn(&child, "/proc/self/exe", &files, NULL, (char *const *)argv, environ);
+    posix_spawnattr_init(&group);
+    posix_spawnattr_setflags(&group, POSIX_SPAWN_SETPGROUP);
+    const int failed = posix_spawn(&child, "/proc/self/exe", &files, &group, (char *const *)argv, environ);
+    posix_spawnattr_destroy(&group);
     posix_spawn_file_actions_destroy(&files);
     if (failed)
         return cli_failure(NAME, "palpate explain cannot be started: %s", strerror(failed));
     while (waitpid(child, &status, 0) < 0 && errno == EINTR)
-        continue;
+        kill(child, SIGINT);
     return WIFEXITED(status) ? WEXITSTATUS(status) : CLI_FAILURE;
 }
 

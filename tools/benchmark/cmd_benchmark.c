@@ -3,12 +3,11 @@
 #include "benchmark.h"
 #include "shared/commands.h"
 #include "shared/json_out.h"
+#include "shared/temporary.h"
 
-#include <dirent.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 typedef struct benchmark_options {
     const char *out;
@@ -43,28 +42,16 @@ static int parse(int argc, char **argv, benchmark_options *o, const char **folde
 
 /* ---- palpate's own predictions, in a folder for a moment ---- */
 
-static void remove_folder(const char *folder) {
-    DIR *list = opendir(folder);
-    char path[CLI_PATH_MAX];
-    for (struct dirent *entry; list && (entry = readdir(list)) != NULL;)
-        if (snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) < (int)sizeof path)
-            unlink(path); /* "." and ".." cannot be unlinked */
-    if (list)
-        closedir(list);
-    rmdir(folder);
-}
-
 static int score_own(const benchmark *b, const benchmark_split *split, const benchmark_program *program,
                      benchmark_score *score) {
-    const char *base = getenv("TMPDIR");
     char folder[CLI_PATH_MAX];
-    int n = snprintf(folder, sizeof folder, "%s/palpate_benchmark.XXXXXX", base && *base ? base : "/tmp");
-    if (n >= CLI_PATH_MAX || !mkdtemp(folder))
-        return cli_failure(BENCHMARK_NAME, "%s: no folder can be made there", folder);
-    int code = benchmark_predict(b, program, split, folder);
+    int code = temporary_folder_make(BENCHMARK_NAME, folder);
+    if (code)
+        return code;
+    code = benchmark_predict(b, program, split, folder);
     if (code == CLI_OK)
         code = benchmark_find(b, split, program, folder, score);
-    remove_folder(folder);
+    temporary_folder_remove(folder);
     return code;
 }
 

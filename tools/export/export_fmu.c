@@ -8,6 +8,7 @@
 #include "shared/crc32.h"
 #include "shared/opening.h"
 
+#include <errno.h>
 #include <palpate/network.h>
 #include <palpate/version.h>
 #include <stdlib.h>
@@ -48,6 +49,7 @@ static palp_status write_archive(const char *out, size_t n, const part *parts, p
     palp_status status = palp_file_begin(&file, out, error);
     if (status)
         return status;
+    errno = 0;
     zipFile to = *file.temporary ? zipOpen(file.temporary, APPEND_STATUS_CREATE) : NULL;
     bool good = to != NULL;
     for (size_t i = 0; i < n; i++)
@@ -55,7 +57,7 @@ static palp_status write_archive(const char *out, size_t n, const part *parts, p
     good = (!to || zipClose(to, NULL) == ZIP_OK) && good;
     if (good)
         return palp_file_commit(&file, false, error);
-    cli_failure(NAME, "%s: an FMU cannot be written there", out);
+    cli_failure(NAME, "%s: cannot write: %s", out, *file.temporary ? strerror(errno) : "it is no regular file");
     palp_file_abandon(&file);
     return PALP_ERR_FILE;
 }

@@ -5,7 +5,7 @@
 
 #include "identity.h"
 #include "rig/rig.h"
-#include "shared/cli.h"
+#include "shared/temporary.h"
 
 #include <errno.h>
 #include <spawn.h>
@@ -129,17 +129,15 @@ static int read_board(const char *name, const char *port, bool usb, const char *
 
 /* Which kind of board it is, by the firmware that is in it. */
 static int ask_board(const char *name, const char *port, bool usb, char kind[KIND]) {
-    const char *place = getenv("TMPDIR");
     char folder[CLI_PATH_MAX], path[sizeof folder + 8];
     beginning b;
-    int n = snprintf(folder, sizeof folder, "%s/palpate.XXXXXX", place && *place ? place : "/tmp");
-    if (n >= (int)sizeof folder || !mkdtemp(folder))
-        return cli_failure(name, "no folder for temporary files can be made in %s", place ? place : "/tmp");
+    int code = temporary_folder_make(name, folder);
+    if (code)
+        return code;
     snprintf(path, sizeof path, "%s/board", folder);
-    int code = read_board(name, port, usb, path);
+    code = read_board(name, port, usb, path);
     bool read = read_beginning(path, &b);
-    unlink(path);
-    rmdir(folder);
+    temporary_folder_remove(folder);
     find_kind(&b, kind);
     if (code == CLI_OK && (!read || !kind[0]))
         return cli_failure(name,

@@ -2,6 +2,7 @@
  * A text is a UTF-8 string and a number is a number; any other value is its JSON text as an ASCII string. */
 #include "hdf5_tool.h"
 
+#include <errno.h>
 #include <palpate/file.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -103,8 +104,9 @@ int tool_write_experiment(const char *csv, const char *name) {
         palp_experiment_free(run);
         return tool_failure(name, "an HDF5 file cannot be written to a pipe or device");
     }
+    errno = 0;
     if (!status && !write_file(run, file.temporary)) {
-        int code = tool_failure(name, "not written");
+        int code = tool_failure(name, "cannot write%s%s", errno ? ": " : "", errno ? strerror(errno) : "");
         palp_file_abandon(&file);
         palp_experiment_free(run);
         return code;

@@ -46,6 +46,7 @@ int main(int argc, char **argv) {
         fputs("palpate import runs this program for HDF5 files; see palpate import --help\n", stderr);
         return 2;
     }
+    H5dont_atexit(); /* it crashes there over a file that it could not write */
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     if (write)
         return tool_write_experiment(argv[2], argv[3]);
