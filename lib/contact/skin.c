@@ -173,7 +173,8 @@ palp_status skin_make(arena *memory, size_t n_nodes, const double *rest, size_t 
     made = copy_subdivided_surface(memory, &finer, s) && share_corner_stiffness(s, n_surface, surface, unit);
     subdivide_free(&finer);
     if (made) {
-        skin_take(s, rest, s->rest);
+        for (size_t v = 0; v < s->n; v++)
+            skin_take_vertex(s, (int32_t)v, rest, s->rest + 3 * v);
         list_triangles_of_vertices(memory, s);
         list_vertices_of_nodes(memory, rest, s);
         made = !memory->failed;
@@ -186,11 +187,6 @@ void skin_take_vertex(const skin *s, int32_t vertex, const double *in, double ou
     for (uint32_t k = s->first[vertex]; k < s->first[vertex + 1]; k++)
         for (int c = 0; c < 3; c++)
             out[c] += s->weight[k] * in[3 * s->node[k] + c];
-}
-
-void skin_take(const skin *s, const double *in, double *out) {
-    for (size_t v = 0; v < s->n; v++)
-        skin_take_vertex(s, (int32_t)v, in, out + 3 * v);
 }
 
 void skin_give_vertex(const skin *s, int32_t vertex, const double force[3], double *out) {

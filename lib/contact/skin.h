@@ -40,10 +40,7 @@ typedef struct skin {
 palp_status skin_make(arena *memory, size_t n_nodes, const double *rest, size_t n_surface,
                       const int32_t *surface, const double *unit, size_t subdivisions, skin *s);
 
-/* Values at vertices, out[3 n], from values at nodes, in[3 n_nodes]. */
-void skin_take(const skin *s, const double *in, double *out);
-
-/* The same for one vertex. */
+/* The value at a vertex from values at nodes, in[3 n_nodes]. */
 void skin_take_vertex(const skin *s, int32_t vertex, const double *in, double out[3]);
 
 /* Adds a vertex's force to its nodes, out[3 n_nodes]. */

@@ -41,7 +41,8 @@ static double size_of(palp_effect_scale scale, const explain_data *data) {
     return 1.0;
 }
 
-bool explain_is_period(const effect_row *row, size_t p) {
+/* The period of a wave over depth has ends on both sides in the runs' samples and travel. */
+static bool is_period(const effect_row *row, size_t p) {
     return row->scanned > 0.0 && row->info.parameter[p].scale == PALP_SCALE_LENGTH;
 }
 
@@ -60,7 +61,7 @@ static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t
     if (q->scale == PALP_SCALE_LENGTH) {
         low = q->logarithmic ? 1e-3 * size : fmax(low, -0.5 * size);
         high = q->logarithmic ? 10.0 * size : fmin(high, 0.5 * size);
-        if (explain_is_period(row, p)) { /* two samples at least, and some in the travel */
+        if (is_period(row, p)) { /* two samples at least, and some in the travel */
             high = size / EXPLAIN_PERIODS;
             low = fmin(2.0 * data->stride, 0.5 * high);
         }

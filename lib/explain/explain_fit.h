@@ -40,9 +40,6 @@ palp_status explain_augment(const palp_model *model, palp_model *full, size_t *o
  * logarithms of its stiffness and of its time. */
 void explain_chain(const explain_fit *fit, size_t n, double *gradient);
 
-/* Whether parameter p is the period of a wave over depth, which has ends on both sides in the runs' samples
- * and travel. */
-bool explain_is_period(const effect_row *row, size_t p);
 
 /* fit->x into fit->model. ERR_ARGUMENT: makes no model. */
 palp_status explain_fit_to_model(explain_fit *fit);

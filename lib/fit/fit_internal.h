@@ -63,10 +63,6 @@ palp_status fit_evaluate(const fit_problem *problem, const double *p, double *re
  */
 void fit_arm_response(const fit_run *run, double tau, double *response, double *slope);
 
-/* Whether a recording's force says that its contact pulls: by more than its noise, its zero and a share of
- * its peak. */
-bool fit_pulls(const palp_recording *recording);
-
 /* Whether its plate goes back, beyond the last withdrawal, and does not pull. */
 bool fit_leaves(const palp_recording *recording);
 

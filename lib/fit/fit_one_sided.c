@@ -21,7 +21,8 @@ static bool mean_of(const palp_recording *rec, size_t i, size_t many, double *me
     return true;
 }
 
-bool fit_pulls(const palp_recording *rec) {
+/* Whether the contact pulls: by more than the force's noise, its zero and a share of its peak. */
+static bool pulls(const palp_recording *rec) {
     const double share = 0.02, sds = 5.0;
     size_t many = rec->n / 2000 > 4 ? (rec->n / 2000 < 64 ? rec->n / 2000 : 64) : 4;
     double peak = 0.0, mean, most = 0.0;
@@ -41,7 +42,7 @@ bool fit_leaves(const palp_recording *rec) {
         if (depth > deepest)
             deepest = depth;
         else if (depth < deepest - back && rec->use[i])
-            return !fit_pulls(rec);
+            return !pulls(rec);
     }
     return false;
 }

@@ -49,7 +49,7 @@ static int add_files(sessions *u, const acquire_plan *plan) {
     return CLI_OK;
 }
 
-/* The child is in a group of its own: a signal to this command asks it to end the search, and once more, to end. */
+/* The child is in a group of its own: a signal to this command is handed on, and ends its search. */
 static int explain(const sessions *u) {
     const char *argv[WORDS] = {"palpate", "explain", "--model", u->how->model, "--result",     u->result,
                                "--next",  u->next,   "--out",   u->explained,  "--next-time-s"};

@@ -40,12 +40,6 @@ typedef struct batch_options {
 
 /* ---- batch_plan.c: the list of jobs ---- */
 
-/* The last part of the path without its ending; the caller frees it. */
-char *batch_base_name(const char *input);
-
-/* Replaces {input}, {name} and {index}; the caller frees it. NULL = out of memory. */
-char *batch_fill(const char *pattern, const char *input, const char *name, size_t index);
-
 /* NULL = good; else why a job cannot be called so. */
 const char *batch_name_fault(const char *name);
 

@@ -6,12 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-char *batch_base_name(const char *input) {
+/* The last part of the path without its ending; the caller frees it. */
+static char *base_name(const char *input) {
     const char *base = cli_base(input), *end = strrchr(base, '.');
     return strndup(base, end && end != base ? (size_t)(end - base) : strlen(base));
 }
 
-char *batch_fill(const char *pattern, const char *input, const char *name, size_t index) {
+/* Replaces {input}, {name} and {index}; the caller frees it. NULL = out of memory. */
+static char *fill(const char *pattern, const char *input, const char *name, size_t index) {
     char *text = NULL;
     size_t size = 0;
     FILE *to = open_memstream(&text, &size);
@@ -96,11 +98,11 @@ const batch_job *batch_plan_sort(batch_plan *plan) {
 
 const char *batch_plan_fill(batch_plan *plan, const batch_template *from, const char *input) {
     static const char memory[] = "out of memory";
-    char *base = batch_base_name(input), *name = base ? batch_fill(from->name, input, base, plan->n) : NULL;
+    char *base = base_name(input), *name = base ? fill(from->name, input, base, plan->n) : NULL;
     char **argv = calloc(from->n_words + 2, sizeof *argv);
     bool whole = name && argv && (argv[0] = strdup("palpate")) != NULL;
     for (size_t i = 0; i < from->n_words && whole; i++)
-        whole = (argv[i + 1] = batch_fill(from->words[i], input, name, plan->n)) != NULL;
+        whole = (argv[i + 1] = fill(from->words[i], input, name, plan->n)) != NULL;
     free(base);
     if (!whole) {
         free(name);

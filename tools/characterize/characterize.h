@@ -170,13 +170,6 @@ void characterize_print_specimens(const characterize_state *s);
 json_t *characterize_json_specimens(const characterize_state *s);
 
 int characterize_compare(characterize_state *s); /* the model with its runs, runs with each other */
-size_t characterize_spectrum_points(const characterize_state *s); /* of all runs */
-double characterize_modulus(const palp_recording *r,
-                            double stiffness_N_m); /* Pa, of the cylinder; NaN without a radius */
-/* Storage and loss of the model about a depth. */
-palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m,
-                                        size_t n, const double *frequency_Hz, double *storage_N_m,
-                                        double *loss_N_m);
 int characterize_measure_spectra(characterize_state *s);
 void characterize_print_spectrum(const characterize_state *s);
 int characterize_write_spectrum(const char *path,

@@ -8,19 +8,22 @@
 static const char NAME[] = "characterize";
 static const double Z95 = 1.96;
 
-size_t characterize_spectrum_points(const characterize_state *s) {
+/* Of all runs. */
+static size_t count_points(const characterize_state *s) {
     size_t n = 0;
     for (size_t i = 0; i < s->n; i++)
         n += s->spectrum[i].n;
     return n;
 }
 
-double characterize_modulus(const palp_recording *r, double stiffness_N_m) {
+/* Pa, of the cylinder; NaN without a radius. */
+static double modulus(const palp_recording *r, double stiffness_N_m) {
     const double pi = 3.14159265358979323846;
     return r->radius_m > 0 ? stiffness_N_m * r->height_m / (pi * r->radius_m * r->radius_m) : NAN;
 }
 
-palp_status characterize_model_spectrum(const characterize_state *s, const palp_material *m, double depth_m,
+/* Storage and loss of the model about a depth. */
+static palp_status model_spectrum(const characterize_state *s, const palp_material *m, double depth_m,
                                         size_t n, const double *frequency_Hz, double *storage_N_m,
                                         double *loss_N_m) {
     double height = s->run[0].height_m;
@@ -39,7 +42,7 @@ int characterize_measure_spectra(characterize_state *s) {
 }
 
 void characterize_print_spectrum(const characterize_state *s) {
-    if (characterize_spectrum_points(s) == 0)
+    if (count_points(s) == 0)
         return;
     printf("Storage and loss stiffness by the driven frequency (+- 95 %%), and the model's\n");
     printf("  frequency (Hz)   storage (N/m)          model   loss (N/m)             model   run\n");
@@ -47,7 +50,7 @@ void characterize_print_spectrum(const characterize_state *s) {
         for (size_t k = 0; k < s->spectrum[i].n; k++) {
             const palp_spectrum_point *p = &s->spectrum[i].point[k];
             double storage = NAN, loss = NAN;
-            characterize_model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
+            model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
             printf("  %14.5g   %9.5g +-%-8.2g %9.5g   %9.4g +-%-8.2g %9.4g   %s\n", p->frequency_Hz,
                    p->storage_N_m, Z95 * p->storage_sd_N_m, storage, p->loss_N_m, Z95 * p->loss_sd_N_m, loss,
                    s->run[i].name);
@@ -60,7 +63,7 @@ static json_t *point_json(const characterize_state *s, size_t run, const palp_sp
     double storage = NAN, loss = NAN;
     json_t *to = json_object();
     json_object_set_new(to, "file", json_text(r->name));
-    characterize_model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
+    model_spectrum(s, &s->material, p->depth_m, 1, &p->frequency_Hz, &storage, &loss);
     json_figures(to, {"frequency_Hz", p->frequency_Hz}, {"from_s", p->from_s}, {"to_s", p->to_s},
                  {"cycles", p->cycles}, {"depth_mm", 1e3 * p->depth_m},
                  {"amplitude_mm", 1e3 * p->amplitude_m}, {"storage_N_m", p->storage_N_m},
@@ -68,8 +71,8 @@ static json_t *point_json(const characterize_state *s, size_t run, const palp_sp
                  {"storage_high_N_m", p->storage_N_m + Z95 * p->storage_sd_N_m}, {"loss_N_m", p->loss_N_m},
                  {"loss_low_N_m", p->loss_N_m - Z95 * p->loss_sd_N_m},
                  {"loss_high_N_m", p->loss_N_m + Z95 * p->loss_sd_N_m}, {"model_storage_N_m", storage},
-                 {"model_loss_N_m", loss}, {"storage_Pa", characterize_modulus(r, p->storage_N_m)},
-                 {"loss_Pa", characterize_modulus(r, p->loss_N_m)});
+                 {"model_loss_N_m", loss}, {"storage_Pa", modulus(r, p->storage_N_m)},
+                 {"loss_Pa", modulus(r, p->loss_N_m)});
     return to;
 }
 
@@ -84,7 +87,7 @@ json_t *characterize_spectrum_json(const characterize_state *s) {
 /* Range of the model's curve: from the longest run or the lowest driven frequency to twice the highest.
  * Without oscillation it ends at the rate of the fastest ramp. */
 static void range_of(const characterize_state *s, double *low, double *high) {
-    bool driven = characterize_spectrum_points(s) > 0;
+    bool driven = count_points(s) > 0;
     *low = HUGE_VAL;
     *high = 0;
     for (size_t i = 0; i < s->n; i++) {
@@ -115,7 +118,7 @@ static void write_points(FILE *to, const characterize_state *s, size_t run) {
     for (size_t k = 0; k < s->spectrum[run].n; k++) {
         const palp_spectrum_point *p = &s->spectrum[run].point[k];
         double storage = Z95 * p->storage_sd_N_m, loss = Z95 * p->loss_sd_N_m,
-               pascal = characterize_modulus(&s->run[run], 1.0);
+               pascal = modulus(&s->run[run], 1.0);
         write_name(to, cli_base(s->run[run].name));
         fprintf(to, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p->frequency_Hz, 1e3 * p->depth_m,
                 p->storage_N_m, p->storage_N_m - storage, p->storage_N_m + storage, p->loss_N_m,
@@ -127,7 +130,7 @@ static void write_points(FILE *to, const characterize_state *s, size_t run) {
 
 /* The model's curve about the depth of the first spectrum, else of the first run, ten points a decade. */
 static int write_model(FILE *to, const characterize_state *s) {
-    double low, high, depth = s->run[0].deepest_m, pascal = characterize_modulus(&s->run[0], 1.0);
+    double low, high, depth = s->run[0].deepest_m, pascal = modulus(&s->run[0], 1.0);
     range_of(s, &low, &high);
     for (size_t i = s->n; i-- > 0;)
         depth = s->spectrum[i].n ? s->spectrum[i].point[0].depth_m : depth;
@@ -135,7 +138,7 @@ static int write_model(FILE *to, const characterize_state *s) {
     for (size_t k = 0; k < n; k++) {
         double storage, loss, frequency = low * pow(10, (double)k / 10);
         palp_status status =
-            characterize_model_spectrum(s, &s->material, depth, 1, &frequency, &storage, &loss);
+            model_spectrum(s, &s->material, depth, 1, &frequency, &storage, &loss);
         if (status)
             return cli_status_of(NAME, "the model's spectrum", status, NULL);
         fprintf(to, "model,%.9g,%.9g,%.9g,,,%.9g,,", frequency, 1e3 * depth, storage, loss);

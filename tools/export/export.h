@@ -56,7 +56,6 @@ extern const export_target export_targets[EXPORT_TARGETS];
 int export_solid(const export_options *o, const char *path);
 int export_fit(const export_options *o, const palp_model *model, export_scene *scene);
 int export_press(export_scene *scene); /* ramp_N and hold_N */
-int export_report(const export_options *o, const export_scene *scene);
 
 /* The law of the scene's target. */
 const export_law *export_law_of(const export_scene *scene);

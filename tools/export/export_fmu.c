@@ -57,7 +57,8 @@ static palp_status write_archive(const char *out, size_t n, const part *parts, p
     good = (!to || zipClose(to, NULL) == ZIP_OK) && good;
     if (good)
         return palp_file_commit(&file, false, error);
-    cli_failure(NAME, "%s: cannot write: %s", out, *file.temporary ? strerror(errno) : "it is no regular file");
+    cli_failure(NAME, "%s: cannot write: %s", out,
+                *file.temporary ? strerror(errno) : "it is no regular file");
     palp_file_abandon(&file);
     return PALP_ERR_FILE;
 }

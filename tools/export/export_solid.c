@@ -68,7 +68,7 @@ static json_t *arms_of(const palp_solid *solid) {
     return arms;
 }
 
-int export_report(const export_options *o, const export_scene *s) {
+static int report(const export_options *o, const export_scene *s) {
     if (!o->json) {
         export_state(s, "palpate export: ", stderr);
         return CLI_OK;
@@ -210,7 +210,7 @@ int export_solid(const export_options *o, const char *path) {
     code = code ? code : export_fit(o, &model, &s);
     code = code ? code : export_press(&s);
     code = code ? code : write_scene(o, &s);
-    code = code ? code : export_report(o, &s);
+    code = code ? code : report(o, &s);
     free(s.held);
     palp_mesh_free(s.mesh);
     return code;

@@ -1,4 +1,4 @@
-/* temporary.c: what files that are being written and folders for a while leave when a signal ends the command. */
+/* temporary.c: temporary files and folders, which go when a signal ends the command. */
 #define _GNU_SOURCE /* getdents64 */
 #include "temporary.h"
 #include "cli.h"

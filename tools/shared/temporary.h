@@ -1,4 +1,4 @@
-/* temporary.h: what files that are being written and folders for a while leave when a signal ends the command. */
+/* temporary.h: temporary files and folders, which go when a signal ends the command. */
 #ifndef PALPATE_TEMPORARY_H
 #define PALPATE_TEMPORARY_H
 
