@@ -60,12 +60,13 @@ words_of() {
     import) sources=tools/import ;;
     protocol | calibration) sources=tools/acquire ;;
     script) sources=tools/rig ;;
+    manifest) sources="tools/batch tools/benchmark" ;;
     *) sources=lib ;;
     esac
     find $sources -name '*.c' -exec grep -oh '"[A-Za-z0-9_.=:/% -]\{2,24\}"' {} + | sed 's/^"=/"/' | sort -u
 }
 
-[ $# -gt 0 ] || set -- experiment model mesh import protocol calibration script reduced report wire
+[ $# -gt 0 ] || set -- experiment model mesh import protocol calibration script reduced report manifest wire
 for reader in "$@"; do
     [ "$reader$driver" != wire ] || runs=$((40 * runs)) # no file is written for it
     TMPDIR=$work/$reader # a link: report takes a copy of what lies in /dev
