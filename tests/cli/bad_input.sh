@@ -42,6 +42,9 @@ wrong "few.csv: has 4 samples of increasing depth" calibrate $L few.csv --nodes 
 run alone.csv static '0,0,0\n'
 wrong "alone.csv: has 1 samples, but at least 16 are needed" calibrate $L alone.csv --nodes 3
 # What characterize refuses no other command takes for a press of the specimen.
+mkdir simulated
+rows simulated/dead.csv ''
+cp simulated/dead.csv simulated/negated.csv
 rows dead.csv 'f = i % 2 ? 0.004 : -0.003'
 rows negated.csv 'f = -f'
 rows deeper.csv 'd *= 6'
@@ -51,6 +54,10 @@ for run in "dead.csv: force_N never exceeds its noise" "negated.csv: force_N gro
     wrong "$run" characterize "${run%%:*}" --specimen-height-mm 24
     wrong "$run" explain --model $L "${run%%:*}"
     wrong "$run" calibrate $L "${run%%:*}" --nodes 3 --stage static
+    wrong "$run" export $L --to febio --runs "${run%%:*}" --nodes 3 --poisson 0.45
+done
+for run in "dead.csv: force_N never exceeds its noise" "negated.csv: force_N grows while depth_mm falls"; do
+    wrong "$run" explain --simulated "simulated/${run%%:*}" "${run%%:*}"
 done
 wrong "is a network" calibrate $M --nodes 3
 sed 's/"arms": \[\]/"arms": [{"stiffness_N": 0.2, "viscosity_Ns": 2}], "density_kg_m3": 1000/' $M >heavy.json
