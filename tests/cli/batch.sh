@@ -99,6 +99,18 @@ cd data || exit 1
 expect 0 batch --template 'report {input} --out ../{name}.html' --out ../words -- -g.csv .hidden.csv
 cd ..
 [ -e -g.html ] && [ -e .hidden.html ] || fail "a template's pages: $(ls -a)"
+# A word that is a pattern becomes the files that match it, of an input that is taken to the letter. A new file is another job.
+mkdir "p[1]" p1 p2
+for file in "p[1]/r2" "p[1]/r1" p1/r3; do cp alone.csv "$file.csv"; done
+files_of() { sed -n 's/^ *"command": "palpate characterize \(.*\) --arms.*/\1/p' "folders/$1"; }
+for times in 3 4; do
+    expect 1 batch --template 'characterize {input}/r?.csv --arms 0 --degree 2 --json' --out folders "p[1]" p1 p2
+    says "p2: exit status 1: palpate characterize: p2/r?.csv: cannot open"
+    [ "$(lines folders)" -eq $times ] || fail "jobs of folders: $(cat folders/journal)"
+    [ "$(files_of "p[1].out")" = "p[1]/r1.csv p[1]/r2.csv" ] || fail "files of a pattern: $(files_of "p[1].out")"
+    cp alone.csv p1/r0.csv
+done
+[ "$(files_of p1.out)" = "p1/r0.csv p1/r3.csv" ] || fail "files of a pattern: $(files_of p1.out)"
 cat >list.json <<J
 {"palpate": {"batch": 1}, "command": ["simulate", "$L", "--protocol", "static", "--depth-mm", "{input}"],
  "name": "{index}_{name}",

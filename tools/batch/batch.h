@@ -4,6 +4,7 @@
 
 #include "shared/cli.h"
 
+#include <glob.h>
 #include <jansson.h>
 #include <stdint.h>
 
@@ -49,13 +50,16 @@ bool batch_plan_add(batch_plan *plan, char *name, char **argv);
 /* Sorts the names; the later one of two that are the same; NULL = none. */
 const batch_job *batch_plan_sort(batch_plan *plan);
 
-/* The jobs of a command with placeholders, one for each input. *at is the input of a failure. */
+/* The files of a pattern in the folder, in the order of their bytes; 0 or an error of glob. */
+int batch_glob(const char *folder, const char *pattern, glob_t *found);
+
+/* The jobs of a command with placeholders and patterns, one for each input. */
 typedef struct batch_template {
     size_t n_words;
     char **words;     /* of the command */
     const char *name; /* pattern of the names */
 } batch_template;
-const char *batch_plan_fill(batch_plan *plan, const batch_template *from, const char *input);
+const char *batch_plan_fill(batch_plan *plan, const batch_template *from, const char *input); /* a fault */
 
 bool batch_is_mine(const batch_options *o, const batch_job *job);
 void batch_free_words(char **words);

@@ -2,11 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "batch.h"
 
-#include <fcntl.h>
-#include <glob.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 typedef struct manifest {
     const char *path;
@@ -105,26 +102,13 @@ static int fill(const manifest *m, const batch_template *from, size_t index, con
     return fault ? name_fault(m, "inputs", index, name, fault) : CLI_OK;
 }
 
-/* The files of a pattern in the manifest's folder, in the order of their bytes. */
-static int find_files(const manifest *m, const char *pattern, glob_t *found) {
-    int here = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC), failed = GLOB_ABORTED;
-    if (here >= 0 && chdir(m->plan->folder) == 0) {
-        failed = glob(pattern, 0, NULL, found);
-        failed = fchdir(here) == 0 ? failed : GLOB_ABORTED;
-    }
-    if (here >= 0)
-        close(here);
-    return failed == 0              ? CLI_OK
-           : failed == GLOB_NOMATCH ? fault_at(m, "inputs", SIZE_MAX, "no file matches inputs")
-           : failed == GLOB_NOSPACE ? out_of_memory()
-                                    : fault_at(m, "inputs", SIZE_MAX, "the folder of inputs cannot be read");
-}
-
 static int fill_pattern(const manifest *m, const batch_template *from, const char *pattern) {
     glob_t found;
-    int code = find_files(m, pattern, &found);
-    if (code)
-        return code;
+    int code = CLI_OK, failed = batch_glob(m->plan->folder, pattern, &found);
+    if (failed)
+        return failed == GLOB_NOMATCH   ? fault_at(m, "inputs", SIZE_MAX, "no file matches inputs")
+               : failed == GLOB_NOSPACE ? out_of_memory()
+                                        : fault_at(m, "inputs", SIZE_MAX, "the folder of inputs cannot be read");
     for (size_t i = 0; i < found.gl_pathc && code == CLI_OK; i++)
         code = fill(m, from, SIZE_MAX, found.gl_pathv[i]);
     globfree(&found);

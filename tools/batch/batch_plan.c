@@ -3,8 +3,10 @@
 #include "batch.h"
 #include "shared/crc32.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* The last part of the path without its ending; the caller frees it. */
 static char *base_name(const char *input) {
@@ -96,13 +98,75 @@ const batch_job *batch_plan_sort(batch_plan *plan) {
     return first;
 }
 
+int batch_glob(const char *folder, const char *pattern, glob_t *found) {
+    int here = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC), failed = GLOB_ABORTED;
+    if (here >= 0 && chdir(folder) == 0) {
+        failed = glob(pattern, 0, NULL, found);
+        failed = fchdir(here) == 0 ? failed : GLOB_ABORTED;
+    }
+    if (here >= 0)
+        close(here);
+    return failed;
+}
+
+/* A pattern that only the text matches. */
+static char *escaped(const char *text) {
+    char *pattern = malloc(2 * strlen(text) + 1), *to = pattern;
+    for (; pattern && *text; *to++ = *text++)
+        if (strchr("*?[\\", *text))
+            *to++ = '\\';
+    if (pattern)
+        *to = '\0';
+    return pattern;
+}
+
+/* Adds a word, which becomes that of the list, also on failure. */
+static bool add_word(char ***words, size_t *n, char *word) {
+    char **longer = word ? realloc(*words, (*n + 2) * sizeof *longer) : NULL;
+    if (!longer) {
+        free(word);
+        return false;
+    }
+    longer[*n] = word;
+    longer[++*n] = NULL;
+    *words = longer;
+    return true;
+}
+
+/* Adds the files that a word of the command matches; *found = there are any. */
+static bool add_files(const batch_plan *plan, const char *word, const char *input, const char *name,
+                      char ***words, size_t *n, bool *found) {
+    glob_t files;
+    char *in = escaped(input), *as = escaped(name);
+    char *pattern = in && as ? fill(word, in, as, plan->n) : NULL;
+    int failed = pattern ? batch_glob(plan->folder, pattern, &files) : GLOB_NOSPACE;
+    bool whole = failed != GLOB_NOSPACE;
+    *found = failed == 0;
+    for (size_t i = 0; *found && i < files.gl_pathc && whole; i++)
+        whole = add_word(words, n, strdup(files.gl_pathv[i]));
+    if (*found)
+        globfree(&files);
+    free(in);
+    free(as);
+    free(pattern);
+    return whole;
+}
+
+static bool add_filled(const batch_plan *plan, const char *word, const char *input, const char *name,
+                       char ***words, size_t *n) {
+    bool found = false;
+    return (!strpbrk(word, "*?[") || add_files(plan, word, input, name, words, n, &found)) &&
+           (found || add_word(words, n, fill(word, input, name, plan->n)));
+}
+
 const char *batch_plan_fill(batch_plan *plan, const batch_template *from, const char *input) {
     static const char memory[] = "out of memory";
     char *base = base_name(input), *name = base ? fill(from->name, input, base, plan->n) : NULL;
-    char **argv = calloc(from->n_words + 2, sizeof *argv);
-    bool whole = name && argv && (argv[0] = strdup("palpate")) != NULL;
+    char **argv = NULL;
+    size_t n = 0;
+    bool whole = name && add_word(&argv, &n, strdup("palpate"));
     for (size_t i = 0; i < from->n_words && whole; i++)
-        whole = (argv[i + 1] = fill(from->words[i], input, name, plan->n)) != NULL;
+        whole = add_filled(plan, from->words[i], input, name, &argv, &n);
     free(base);
     if (!whole) {
         free(name);

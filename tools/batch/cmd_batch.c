@@ -78,7 +78,8 @@ static int parse(int argc, char **argv, batch_options *o, const char **words, si
         cli_heading("Jobs"),
         cli_text("template", "COMMAND", &o->template,
                  "a command between quotes, for each file that is named after it;\n"
-                 "{input}, {name} and {index} are replaced, blanks part its words"),
+                 "{input}, {name} and {index} are replaced, blanks part its words, a\n"
+                 "word with *, ? or [ becomes the files that match it"),
         cli_count("jobs", "N", 1, JOBS_MAX, &o->jobs, "processes at once (default: the processors)"),
         cli_flag("retry-failed", &o->retry_failed, "do the jobs anew that ended with another status than 0"),
         cli_heading("Output"),
