@@ -11,13 +11,13 @@ PALPATE=$PALPATE sh "$ROOT/tests/hidden/run.sh" --seed 3 --set quick --slack 1 -
 grep -q "^Bars" out || fail "no bars were looked at"
 
 # Interrupted, the run goes on where it was: one answer is missing, and only that one is asked for again.
-rm hidden/cases/case_002/result.json
+rm hidden/explain/case_002.out
 touch marker
 sleep 1
 PALPATE=$PALPATE sh "$ROOT/tests/hidden/run.sh" --seed 3 --set quick --slack 1 --every 4 --out hidden --print-table >table 2>&1 ||
     fail "the run did not go on: $(cat table)"
-again=$(find hidden/cases -newer marker -name result.json)
-[ "$again" = hidden/cases/case_002/result.json ] || fail "asked again: $again"
+again=$(find hidden/explain -newer marker -name 'case_*.out')
+[ "$again" = hidden/explain/case_002.out ] || fail "asked again: $again"
 grep "^    nulls not accused" out | tr -s ' ' | cut -d ' ' -f 5-7 >wanted
 [ -s wanted ] || fail "no bar for the nulls"
 grep "^| nulls not accused" table | cut -d ' ' -f 6-8 | cmp -s - wanted || fail "the table is another: $(cat table)"

@@ -13,12 +13,16 @@ python3 "$hidden/worlds/judge.py" --self-test || fail "the judge"
 
 # An answer that is not there is no right answer, and the exit code says so.
 printf '{"seed": 1, "set": "all", "cases": [{"case": "case_001", "world": "cheap", "arms": 1, "effect": null, "outside": "", "nats": 0, "cosine": {}}]}' >truth.json
-mkdir case_001
-python3 "$hidden/worlds/judge.py" --cases . --truth truth.json >out && fail "a run that has not begun was passed"
+judge() { python3 "$hidden/worlds/judge.py" . >out; }
+judge && fail "a run that has not begun was passed"
 grep -q "^0 of 1 cases" out || fail "cases that were not asked for are counted: $(cat out)"
-echo 1 >case_001/done
-python3 "$hidden/worlds/judge.py" --cases . --truth truth.json >out && fail "no answer was passed as right"
+mkdir -p cases/case_001 characterize explain
+echo '{"arms": []}' | tee cases/case_001/model.json >characterize/case_001.out
+printf 'name,status,seconds\ncase_001,0,1\n' | tee characterize/table.csv >explain/table.csv
+judge && fail "no answer was passed as right"
 grep -q "case_001 no answer" out || fail "the missing answer is not listed: $(cat out)"
-printf '{"verdict": "agrees", "effects": [], "gap": {}}' >case_001/result.json
-python3 "$hidden/worlds/judge.py" --cases . --truth truth.json >out || fail "a null that agrees was not right: $(cat out)"
+printf '{"verdict": "agrees", "effects": [], "gap": {}}' >explain/case_001.out
+judge || fail "a null that agrees was not right: $(cat out)"
+sed -i s/,0,/,1,/ explain/table.csv
+judge && fail "an answer of a command that failed was passed as right"
 done_testing

@@ -2,14 +2,14 @@
 # next.sh: how many further runs tell hidden effects apart that a short session leaves ambiguous: designed ones
 # (acquire --until-explained), those of a fixed list in its order, and random ones. On the virtual indenter.
 #   tests/hidden/next.sh [CASES [SEED]]      default 20 1; PALPATE names the command, OUT keeps the files
+# A run that was killed goes on in its OUT: each step takes all cases, by palpate batch.
 set -eu
-cd "$(dirname "$0")/../.."
-cases=${1:-20} seed=${2:-1}
-PALPATE=${PALPATE:-$PWD/build/palpate}
-export OPENBLAS_NUM_THREADS=1
+cases=$(seq "${1:-20}") seed=${2:-1}
+palpate=$(realpath "${PALPATE:-$(dirname "$0")/../../build/palpate}")
 out=${OUT:-$(mktemp -d)}
 [ -n "${OUT:-}" ] || trap 'rm -rf "$out"' EXIT
 mkdir -p "$out"
+cd "$out"
 most=6 # further runs
 
 # draw CASE: id and parameters of the hidden effect, strength and time over two decades that the session shows in part
@@ -23,7 +23,7 @@ draw() {
     }'
 }
 
-cat >"$out/first.json" <<'J'
+cat >first.json <<'J'
 {"palpate": {"protocol": 1}, "hold_s": 3, "air_s": 0.2, "after_s": 0.5, "rest_s": 60,
  "runs": [{"kind": "ramp_hold", "depth_mm": 3, "rate_mm_s": 10}, {"kind": "ramp_hold", "depth_mm": 6, "rate_mm_s": 3},
     {"kind": "cyclic", "depth_mm": 5, "rate_mm_s": 4, "cycles": 2}]}
@@ -48,49 +48,54 @@ random() { # CASE N
     run "$@"
 }
 
-acquire() { "$PALPATE" acquire --port rig:"$dir/rig.json" --firmware host --seed "$k" "$@" >/dev/null 2>"$dir/err"; }
+batch() { # STEP 'COMMAND' CASES...
+    step=$1 command=$2
+    shift 2
+    [ $# -eq 0 ] || "$palpate" batch --template "$command" "$@" --out "$step" >/dev/null || true
+}
+acquire='acquire --port rig:{input}/rig.json --firmware host --seed {input} --force'
+explain='explain --model {input}/plain.json --every 8 --json {input}/first/*.csv'
 verdict() { sed -n 's/^ *"verdict": "\([a-z_]*\)".*/\1/p' "$1"; }
-named() { sed -n '/"effects": \[/,/^  \]/s/^ *"id": "\([a-z_]*\)".*/\1/p' "$1" | tr '\n' ' '; }
-explain() { # FOLDER
-    "$PALPATE" explain --model "$dir/plain.json" "$1"/*.csv --every 8 --result "$1/explain.json" >/dev/null 2>"$dir/err" || return 1
+row() { # CASE WAY RUNS ANSWER
+    printf '%-5s %-24s %-10s %-14s %s\n' "$1" "$(sed -n 's/.*"effects": \[{"id": "\([a-z_]*\)".*/\1/p' "$1/rig.json")" "$2" "$(verdict "$4")" \
+        "$3 $(sed -n '/"effects": \[/,/^  \]/s/^ *"id": "\([a-z_]*\)".*/\1/p' "$4" | tr '\n' ' ')"
 }
 
-printf '%-5s %-24s %-10s %-14s %s\n' case truth way verdict "runs named"
-k=0
-while [ $k -lt "$cases" ]; do
-    k=$((k + 1))
-    dir=$out/case_$k
-    mkdir -p "$dir"
-    set -- $(draw $k)
+for k in $cases; do
+    mkdir -p "$k"
+    set -- $(draw "$k")
     truth=$1
     shift
-    cat >"$dir/rig.json" <<J
+    cat >"$k/rig.json" <<J
 {"palpate": {"model": 1}, "kind": "lumped", "specimen": {"kind": "cylinder", "height_mm": 24, "radius_mm": 12},
  "stiffness": {"kind": "polynomial", "coefficients_N": [8, 2, 30]}, "arms": [{"stiffness_N": 2.5, "viscosity_Ns": 1}],
  "effects": [{"id": "$truth", "parameters": {$*}}]}
 J
-    [ -d "$dir/first" ] || acquire --protocol "$out/first.json" --out "$dir/first"
-    "$PALPATE" characterize "$dir"/first/*.csv --arms 1 --degree 3 --out "$dir/plain.json" >/dev/null 2>"$dir/err"
-    explain "$dir/first"
-    if [ "$(verdict "$dir/first/explain.json")" != ambiguous ]; then
-        printf '%-5s %-24s %-10s %-14s %s\n' $k "$truth" first "$(verdict "$dir/first/explain.json")" "0 $(named "$dir/first/explain.json")"
-        continue
-    fi
-    acquire --protocol "$out/first.json" --out "$dir/designed" --force --until-explained "$dir/plain.json" --every 8 \
-        --budget-s 600 || true
-    printf '%-5s %-24s %-10s %-14s %s\n' $k "$truth" designed "$(verdict "$dir/designed/explain.json")" \
-        "$(ls "$dir"/designed | grep -c '^next.*csv') $(named "$dir/designed/explain.json")"
-    for way in ${WAYS-listed random}; do
-        rm -rf "${dir:?}/$way"
-        cp -r "$dir/first" "$dir/$way"
-        n=0
-        while [ $n -lt $most ] && [ "$(verdict "$dir/$way/explain.json")" = ambiguous ]; do
-            n=$((n + 1))
-            if [ $way = listed ]; then listed $n; else random $k $n; fi >"$dir/run.json"
-            acquire --protocol "$dir/run.json" --out "$dir/$way/next$n" && mv "$dir/$way/next$n"/*.csv "$dir/$way/next$n.csv"
-            rmdir "$dir/$way/next$n"
-            explain "$dir/$way" || break
+done
+batch first "$acquire --protocol first.json --out {input}/first" $cases
+batch plain 'characterize {input}/first/*.csv --arms 1 --degree 3 --out {input}/plain.json' $cases
+batch explained "$explain" $cases
+printf '%-5s %-24s %-10s %-14s %s\n' case truth way verdict "runs named"
+open=
+for k in $cases; do
+    if [ "$(verdict "explained/$k.out")" = ambiguous ]; then open="$open $k"; else row "$k" first 0 "explained/$k.out"; fi
+done
+batch designed "$acquire --protocol first.json --out {input}/designed --until-explained {input}/plain.json --every 8 --budget-s 600" $open
+for k in $open; do row "$k" designed "$(ls "$k/designed" | grep -c '^next.*csv')" "$k/designed/explain.json"; done
+for way in ${WAYS-listed random}; do
+    left=$open n=0
+    while [ -n "$left" ]; do
+        n=$((n + 1)) still=
+        for k in $left; do
+            mkdir -p "$k/$way"
+            if [ "$way" = listed ]; then listed $n; else random "$k" $n; fi >"$k/$way/$n.json"
         done
-        printf '%-5s %-24s %-10s %-14s %s\n' $k "$truth" $way "$(verdict "$dir/$way/explain.json")" "$n $(named "$dir/$way/explain.json")"
+        batch "$way$n" "$acquire --protocol {input}/$way/$n.json --out {input}/$way/next$n" $left
+        batch "$way${n}_explained" "$explain {input}/$way/next[1-$n]/*.csv" $left
+        for k in $left; do
+            answer=$way${n}_explained/$k.out
+            if [ "$(verdict "$answer")" = ambiguous ] && [ $n -lt $most ]; then still="$still $k"; else row "$k" "$way" $n "$answer"; fi
+        done
+        left=$still
     done
 done

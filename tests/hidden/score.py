@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Holds the answers of `palpate explain` against the truth of the hidden cases.
 
-    score.py --cases DIR --truth FILE.json [--report-only] [--slack N] [--print-table]
-    score.py --truth FILE.json --list-oracle      "case ids" of every case with effects, for the oracle's runs
+    score.py DIR [--report-only] [--slack N] [--print-table]
+    score.py DIR --manifest explain|oracle [OPTION...]    for palpate batch, with these options of explain
 
-DIR/case_NNN/result.json is an answer, oracle.json beside it (if there) the answer where only the true effects
+DIR is the --out of run.sh: DIR/explain/ has the answers, DIR/oracle/ (if there) those where only the true effects
 were candidates. An effect counts for the bars where at least 3 noise levels (rms) of it are left after the plain
 model's numbers are refitted. Exit code 0 if every bar is met (--slack N: with N fewer wrong); with
 --report-only always."""
 import argparse
 import collections
+import csv
 import json
 import math
 import os
@@ -50,6 +51,28 @@ def load(path):
         return None
 
 
+def answers(folder, step):
+    """Of a batch: name to (result, None if the job failed; seconds) of the jobs that have ended."""
+    path = os.path.join(folder, step)
+    try:
+        with open(os.path.join(path, "table.csv"), newline="") as f:
+            rows = list(csv.DictReader(f))
+    except OSError:
+        return {}
+    return {r["name"]: (load(os.path.join(path, r["name"] + ".out")) if r["status"] == "0" else None, float(r["seconds"]))
+            for r in rows if r["status"]}
+
+
+def manifest(folder, jobs):
+    """Prints that of case, command, options: its runs are those of the case's folder, {} in an option is that folder."""
+    list_ = []
+    for case, command, *options in jobs:
+        here = "cases/" + case
+        runs = sorted(f for f in os.listdir(os.path.join(folder, here)) if f.startswith("run_"))
+        list_.append({"name": case, "arguments": [command, *("%s/%s" % (here, f) for f in runs), *(o.format(here) for o in options)]})
+    print(json.dumps({"palpate": {"batch": 1}, "jobs": list_}, indent=1))
+
+
 class Named:
     """One effect of an answer."""
 
@@ -61,19 +84,17 @@ class Named:
 
 
 class Case:
-    def __init__(self, truth, folder):
+    def __init__(self, truth, answer, oracle):
         self.truth = truth
         self.name = truth["case"]
         self.group = truth["group"]
         self.effects = list(truth["effects"])
         if self.group == "network":
             self.effects.append(dict(truth["network"], id=GEOMETRY, parameters={}))
-        where = os.path.join(folder, self.name)
-        self.result = load(os.path.join(where, "result.json"))
-        self.oracle = load(os.path.join(where, "oracle.json"))
+        self.result, self.seconds = answer
+        self.oracle = oracle
         self.verdict = self.result.get("verdict", "none") if self.result else "none"
         self.named = [Named(e) for e in self.result["effects"]] if self.result else []
-        self.seconds = load(os.path.join(where, "seconds"))
         self.match()
 
     def match(self):
@@ -296,28 +317,37 @@ def others(cases):
     print()
 
 
+def candidates(truth):
+    """The true effects, and what is alike to a network's geometry that can be seen; for the oracle."""
+    ids = [e["id"] for e in truth["effects"]]
+    bent = truth.get("network", {"noise_levels_left": 0})
+    return ids + ([max(bent["cosine"], key=bent["cosine"].get)] if bent["noise_levels_left"] >= SEEN else [])
+
+
+def jobs(step, truths, options):
+    for t in truths:
+        ids = candidates(t) if step == "oracle" else []
+        if step == "explain" or ids:
+            yield (t["case"], "explain", "--model", "{}/model.json", *(["--candidates", ",".join(ids)] if ids else []), *options, "--json",
+                   "--out", "{}/%s_model.json" % step, "--report", "{}/%s.html" % step, "--force")
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--cases", metavar="DIR")
-    p.add_argument("--truth", metavar="FILE", required=True)
-    p.add_argument("--list-oracle", action="store_true")
+    p.add_argument("folder", metavar="DIR")
+    p.add_argument("--manifest", choices=("explain", "oracle"))
     p.add_argument("--report-only", action="store_true")
     p.add_argument("--print-table", action="store_true")
     p.add_argument("--slack", type=int, default=0, metavar="N")
-    o = p.parse_args()
-    truth = load(o.truth)
-    if not truth or not (o.list_oracle or o.cases):
-        sys.exit("score.py: needs --cases, and a truth to read: %s" % o.truth)
-    if o.list_oracle:
-        for t in truth["cases"]:
-            ids = [e["id"] for e in t["effects"]]
-            bent = t.get("network", {"noise_levels_left": 0})
-            if bent["noise_levels_left"] >= SEEN:
-                ids.append(max(bent["cosine"], key=bent["cosine"].get))
-            if ids:
-                print(t["case"], ",".join(ids))
+    o, options = p.parse_known_args()
+    truth = load(os.path.join(o.folder, "truth.json"))
+    if not truth or options and not o.manifest:
+        sys.exit("score.py: needs a folder with truth.json, and options of explain only with --manifest")
+    if o.manifest:
+        manifest(o.folder, jobs(o.manifest, truth["cases"], options))
         return
-    cases = [Case(t, o.cases) for t in truth["cases"]]
+    given, oracle = (answers(o.folder, step) for step in ("explain", "oracle"))
+    cases = [Case(t, given.get(t["case"], (None, None)), oracle.get(t["case"], (None, None))[0]) for t in truth["cases"]]
     print("%d cases of seed %s, set %s\n" % (len(cases), truth["seed"], truth["set"]))
     judged = bars(cases, o.slack)
     if not o.print_table:

@@ -105,10 +105,12 @@ static int fill(const manifest *m, const batch_template *from, size_t index, con
 static int fill_pattern(const manifest *m, const batch_template *from, const char *pattern) {
     glob_t found;
     int code = CLI_OK, failed = batch_glob(m->plan->folder, pattern, &found);
+    if (failed == GLOB_NOSPACE)
+        return out_of_memory();
     if (failed)
-        return failed == GLOB_NOMATCH   ? fault_at(m, "inputs", SIZE_MAX, "no file matches inputs")
-               : failed == GLOB_NOSPACE ? out_of_memory()
-                                        : fault_at(m, "inputs", SIZE_MAX, "the folder of inputs cannot be read");
+        return fault_at(m, "inputs", SIZE_MAX,
+                        failed == GLOB_NOMATCH ? "no file matches inputs"
+                                               : "the folder of inputs cannot be read");
     for (size_t i = 0; i < found.gl_pathc && code == CLI_OK; i++)
         code = fill(m, from, SIZE_MAX, found.gl_pathv[i]);
     globfree(&found);

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
 """Holds the answers of `palpate characterize` and `palpate explain` against the truth of laboratories that are not ours.
 
-    judge.py --cases DIR --truth FILE.json [--report-only] [--print-table]
-    judge.py --truth FILE.json --list one|oracle     the runs of the command: "case arguments"
+    judge.py DIR [--report-only] [--print-table]
+    judge.py DIR --manifest characterize|explain|oracle [OPTION...]     for palpate batch, with these options more
     judge.py --self-test
 
-Of a case that was asked for, DIR/case_NNN/ has a file done, and result.json if there was an answer (and oracle.json, where only the true
-effect and a relaxation arm were candidates). Exit code 0 if all were asked for and every bar is met; with --report-only always."""
+DIR is the --out of run.sh: DIR/characterize/ has the models, DIR/explain/ the answers, DIR/oracle/ (if there) those where only the true
+effect and a relaxation arm were candidates. Exit code 0 if all were asked for and every bar is met; with --report-only always."""
 import argparse
 import os
 import statistics
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from score import inside, load, share, show, wilson  # noqa: E402
+from score import answers, inside, load, manifest, share, show, wilson  # noqa: E402
 
 SEEN = 20.0     # nats from which an effect must be found
 SAME = 0.9      # cosine from which another effect is as good an answer
@@ -207,33 +207,49 @@ def self_test():
     return not failed
 
 
+def jobs(step, truths, made, options):
+    """What characterize refused is not explained."""
+    for t in in_turns(truths):
+        case, model = t["case"], ("--model", "{}/model.json")
+        if step == "characterize":
+            yield (case, step, *t["characterize"].split(), *options, "--out", model[1], "--json", "--force")
+        elif not made.get(case, [None])[0]:
+            continue
+        elif step == "explain":
+            yield (case, step, *model, "--sparse", *options, "--out", "{}/explained.json", "--json", "--force")
+        elif t["effect"] and not t.get("second") and t["nats"] >= SEEN and t["world"] not in APART:
+            arm = "" if t["effect"]["id"] == "relaxation_arm" else ",relaxation_arm"    # characterize may have found fewer than there are
+            yield (case, "explain", *model, "--candidates", t["effect"]["id"] + arm, *options, "--json")
+
+
+def asked(folder, truths):
+    """truth, answer or None, the number of arms of characterize's model or None; of the cases that were asked for."""
+    made, given = answers(folder, "characterize"), answers(folder, "explain")
+    for t in truths:
+        model, answer = (of.get(t["case"]) for of in (made, given))
+        if answer or model and not model[0]:
+            file = load(os.path.join(folder, "cases", t["case"], "model.json")) if model[0] else None
+            yield t, answer[0] if answer else None, len(file.get("arms", [])) if file else None
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--cases", metavar="DIR")
-    p.add_argument("--truth", metavar="FILE")
-    p.add_argument("--list", choices=("one", "oracle"))
+    p.add_argument("folder", metavar="DIR", nargs="?")
+    p.add_argument("--manifest", choices=("characterize", "explain", "oracle"))
     p.add_argument("--self-test", action="store_true")
     p.add_argument("--report-only", action="store_true")
     p.add_argument("--print-table", action="store_true")
-    o = p.parse_args()
+    o, options = p.parse_known_args()
     if o.self_test:
         sys.exit(0 if self_test() else 1)
-    truth = load(o.truth) if o.truth else None
-    if not truth or not (o.list or o.cases):
-        sys.exit("judge.py: needs --cases, and a truth to read: %s" % o.truth)
-    if o.list:
-        for t in in_turns(truth["cases"]):
-            if o.list == "one":
-                print(t["case"], t["characterize"])
-            elif t["effect"] and not t.get("second") and t["nats"] >= SEEN and t["world"] not in APART:
-                arm = "" if t["effect"]["id"] == "relaxation_arm" else ",relaxation_arm"    # characterize may have found fewer than there are
-                print(t["case"], t["effect"]["id"] + arm)
+    truth = load(os.path.join(o.folder, "truth.json")) if o.folder else None
+    if not truth or options and not o.manifest:
+        sys.exit("judge.py: needs a folder with truth.json, and options of the command only with --manifest")
+    if o.manifest:
+        manifest(o.folder, jobs(o.manifest, truth["cases"], answers(o.folder, "characterize"), options))
         return
-    cases = []
-    asked = [t for t in truth["cases"] if os.path.exists(os.path.join(o.cases, t["case"], "done"))]
-    for t in asked:
-        files = [load(os.path.join(o.cases, t["case"], name)) for name in ("result.json", "oracle.json", "model.json")]
-        cases.append(Case(t, *files[:2], len(files[2].get("arms", [])) if files[2] else None))
+    oracle = answers(o.folder, "oracle")
+    cases = [Case(t, result, oracle.get(t["case"], [None])[0], arms) for t, result, arms in asked(o.folder, truth["cases"])]
     judged = bars(cases)
     print("%d of %d cases of seed %s, set %s\n" % (len(cases), len(truth["cases"]), truth["seed"], truth["set"]))
     words = {True: "met", False: "NOT MET", None: "not judged"}

@@ -1,17 +1,16 @@
 #!/usr/bin/env python3
 """Holds the free terms of `palpate explain --sparse` against the truth of the set outside (run.sh --set outside).
 
-    judge_free.py --cases DIR --truth FILE.json
+    judge_free.py DIR        the --out of run.sh
 
-Of a case that was asked for, DIR/case_NNN/ has a file done, and result.json if there was an answer. The truth closes the gap on runs
-left out down to the noise of the generator; a case whose gap is less than a twentieth of that noise has nothing to close."""
+The truth closes the gap on runs left out down to the noise of the generator; a case whose gap is less than a twentieth of that noise
+has nothing to close."""
 import argparse
 import os
 import statistics
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from score import load, share  # noqa: E402
+from judge import asked  # which finds score
+from score import load, share
 
 CLASSES = {
     "hysteresis of the load cell": ("dissipative",), "backlash": ("dissipative",), "curing within a run": ("of the age",),
@@ -37,15 +36,10 @@ def formula_right(form, term):
 
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--cases", metavar="DIR", required=True)
-    p.add_argument("--truth", metavar="FILE", required=True)
+    p.add_argument("folder", metavar="DIR")
     o = p.parse_args()
     shares, nulls, classes, formulas = [], [], [], []
-    for truth in load(o.truth)["cases"]:
-        folder = os.path.join(o.cases, truth["case"])
-        result = load(os.path.join(folder, "result.json"))
-        if not os.path.exists(os.path.join(folder, "done")):
-            continue
+    for truth, result, _ in asked(o.folder, load(os.path.join(o.folder, "truth.json"))["cases"]):
         terms = ((result or {}).get("free_term") or {}).get("terms") or []
         if not truth["outside"]:
             nulls.append(result is not None and not terms)
