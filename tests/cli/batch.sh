@@ -161,8 +161,8 @@ expect 2 batch --out never; says "name one manifest"
 expect 2 batch --template '{input}' --out never; says "name the inputs"
 expect 2 batch --template ' ' a --out never; says "--template has no command"
 for task in 3/3 1 -1/3 1/0 a/b 1/3x; do expect 2 batch jobs.json --out never --task $task; says "--task must be I/N"; done
-expect 2 batch jobs.json --out never --task auto; says "--task auto needs mpirun or srun"
-expect 2 batch jobs.json --out never --task 0/3 --collect; says "--task excludes"
+expect 2 batch jobs.json --out never --mpi; says "--mpi needs mpirun or srun"
+for way in --collect "--slurm 2" --mpi; do expect 2 batch jobs.json --out never --task 0/3 $way; says "exclude each other"; done
 
 # ---- a batch that is cut off goes on ----
 for i in 1 2 3 4 5 6 7 8; do echo "$(job k$i $i 2),"; done >entries
@@ -213,7 +213,7 @@ expect 0 batch slow.json --out tasks --collect
 [ -e tasks/journal.0 ] && fail "the journals of tasks are left"
 same whole tasks
 for rank in 0 1; do
-    (export OMPI_COMM_WORLD_RANK=$rank OMPI_COMM_WORLD_SIZE=2 && "$PALPATE" batch slow.json --out ranks --task auto >/dev/null) || fail "rank $rank"
+    (export OMPI_COMM_WORLD_RANK=$rank OMPI_COMM_WORLD_SIZE=2 && "$PALPATE" batch slow.json --out ranks --mpi >/dev/null) || fail "rank $rank"
 done
 expect 0 batch slow.json --out ranks
 same whole ranks
@@ -221,7 +221,7 @@ expect 0 batch slow.json --out part --task 1/3
 expect 1 batch slow.json --out part --collect
 [ "$(cat out)" = "9 jobs: 3 succeeded, 0 failed, 6 not done" ] && grep -q '^k1,,,' part/table.csv || fail "a part: $(cat out)"
 if command -v mpirun >/dev/null; then
-    mpirun --allow-run-as-root --oversubscribe -n 4 "$PALPATE" batch failing.json --out mpi --task auto >mpi.out 2>mpi.err || fail "mpirun: $(cat mpi.err)"
+    mpirun --allow-run-as-root --oversubscribe -n 4 "$PALPATE" batch failing.json --out mpi --mpi >mpi.out 2>mpi.err || fail "mpirun: $(cat mpi.err)"
     [ "$(ls mpi/journal.? | wc -l)" -eq 4 ] || fail "mpirun: $(ls mpi)"
     expect 0 batch failing.json --out mpi --collect
 fi

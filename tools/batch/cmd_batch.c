@@ -40,20 +40,18 @@ static bool find_rank(size_t *rank, size_t *ranks) {
 
 static int read_task(batch_options *o) {
     char first[32] = "";
-    const char *slash = strchr(o->task_text, '/');
+    const char *slash = o->under_mpi ? NULL : strchr(o->task_text, '/');
     o->is_task = true;
-    if (strcmp(o->task_text, "auto") == 0) {
-        o->under_mpi = true;
+    if (o->under_mpi)
         return find_rank(&o->task, &o->tasks)
                    ? CLI_OK
-                   : cli_usage_error(BATCH_NAME, "--task auto needs mpirun or srun, which number the tasks");
-    }
+                   : cli_usage_error(BATCH_NAME, "--mpi needs mpirun or srun, which number the tasks");
     if (slash && (size_t)(slash - o->task_text) < sizeof first)
         memcpy(first, o->task_text, (size_t)(slash - o->task_text));
     return slash && read_count(first, TASKS_MAX, &o->task) && read_count(slash + 1, TASKS_MAX, &o->tasks) &&
                    o->task < o->tasks
                ? CLI_OK
-               : cli_usage_error(BATCH_NAME, "--task must be I/N with I from 0 to N - 1, or auto, not \"%s\"",
+               : cli_usage_error(BATCH_NAME, "--task must be I/N with I from 0 to N - 1, not \"%s\"",
                                  o->task_text);
 }
 
@@ -64,11 +62,12 @@ static int check(batch_options *o, size_t n_words) {
         return cli_usage_error(BATCH_NAME, "name the inputs of --template; see palpate batch --help");
     if (!o->out)
         return cli_usage_error(BATCH_NAME, "name a folder for the results by --out");
-    if (o->task_text && (o->collect || o->slurm))
-        return cli_usage_error(BATCH_NAME, "--task excludes --collect and --slurm");
+    const bool task = o->task_text || o->under_mpi;
+    if (task && (o->collect || o->slurm || (o->task_text && o->under_mpi)))
+        return cli_usage_error(BATCH_NAME, "--task, --mpi, --collect and --slurm exclude each other");
     if (o->slurm && (o->template || o->collect))
         return cli_usage_error(BATCH_NAME, "--slurm needs a manifest and excludes --collect");
-    int code = o->task_text ? read_task(o) : CLI_OK;
+    int code = task ? read_task(o) : CLI_OK;
     o->jobs = o->jobs ? o->jobs : o->under_mpi ? 1 : processors();
     return code;
 }
@@ -86,8 +85,8 @@ static int parse(int argc, char **argv, batch_options *o, const char **words, si
         cli_out_folder("out", "DIR", &o->out, "table.csv index.html slurm.sh",
                        "folder of NAME.out, NAME.err, table.csv, index.html and journal"),
         cli_heading("Many machines"),
-        cli_text("task", "I/N", &o->task_text,
-                 "only each N-th job from job I on, I from 0 to N - 1;\nauto: as mpirun or srun number it"),
+        cli_text("task", "I/N", &o->task_text, "only each N-th job from job I on, I from 0 to N - 1"),
+        cli_flag("mpi", &o->under_mpi, "the same, with I and N as mpirun or srun number this process"),
         cli_flag("collect", &o->collect, "only collect what tasks did"),
         cli_count("slurm", "N", 1, TASKS_MAX, &o->slurm,
                   "only write DIR/slurm.sh, which submits N tasks and collects"),
