@@ -203,6 +203,11 @@ bool network_may_have_material(const palp_network *net, const palp_material *mat
 /* Sets scale, where there is one, and the shares of materials. */
 palp_status network_scale_elements(palp_network *net);
 
+/* Multiplies the scale of the mesh's elements by what the settings' regions, which all only are stiffer, make
+ * of their forces. Errors as network_take_regions. */
+palp_status network_scale_mesh(palp_mesh *mesh, const palp_material *material,
+                               const palp_network_settings *settings, palp_error *error);
+
 /* Gives a region that only is stiffer another place, part[n_tetrahedra], and stiffness; resets the network.
  * Compliance of contacts that was derived before stays. */
 palp_status network_change_region(palp_network *net, size_t of, const double *part, double stiffness);

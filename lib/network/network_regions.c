@@ -285,6 +285,29 @@ palp_status network_scale_elements(palp_network *net) {
     return status;
 }
 
+palp_status network_scale_mesh(palp_mesh *mesh, const palp_material *material,
+                               const palp_network_settings *settings, palp_error *error) {
+    palp_network net = {.mesh = mesh,
+                        .n_nodes = mesh->n_nodes,
+                        .n_elements = mesh->n_elements,
+                        .material = *material,
+                        .settings = *settings};
+    double *factor = arena_take(&net.memory, net.n_elements, sizeof *factor);
+    palp_status status = factor ? network_take_regions(&net, error) : PALP_ERR_NO_MEMORY;
+    if (!status)
+        status = find_shares(&net, factor);
+    if (!status && !mesh->scale) {
+        mesh->scale = arena_take(&mesh->memory, net.n_elements, sizeof *mesh->scale);
+        status = mesh->scale ? PALP_OK : PALP_ERR_NO_MEMORY;
+        for (size_t i = 0; i < net.n_elements && !status; i++)
+            mesh->scale[i] = 1.0;
+    }
+    for (size_t i = 0; i < net.n_elements && !status; i++)
+        mesh->scale[i] *= factor[i];
+    arena_free(&net.memory);
+    return status;
+}
+
 void network_find_units(palp_network *net) {
     const double *scale = palp_mesh_element_scale(net->mesh);
     double stiffness[PALP_REGIONS_MAX + 1];

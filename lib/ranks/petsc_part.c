@@ -97,15 +97,25 @@ static part *new_part(const palp_ranks *ranks) {
 
 /* ---- the public call ----------------------------------------------------------------------------- */
 
+/* The first region that is more than stiffer, or that a tool may touch; NULL = none. */
+static const char *unsupported_region(const palp_network_settings *s, bool tools) {
+    for (size_t r = 0; r < s->n_regions; r++) {
+        const palp_region *region = &s->regions[r];
+        if (tools || !(region->stiffness > 0.0) || region->poisson_ratio != 0.0 || region->fibre_Pa > 0.0)
+            return region->name;
+    }
+    return NULL;
+}
+
 /* Names the first thing that a part cannot do. */
-static palp_status refuse_unsupported(const palp_model *model, const palp_network_settings *s,
+static palp_status refuse_unsupported(const palp_model *model, const palp_network_settings *s, bool tools,
                                       palp_error *error) {
     char what[96] = "";
+    const char *region = unsupported_region(s, tools);
     if (model->n_effects > 0)
         snprintf(what, sizeof what, "the effect %s", palp_effect_look_up(model->effects[0].id)->id);
-    else if (s->n_regions > 0 || (model->mesh && model->mesh->n_regions > 0))
-        snprintf(what, sizeof what, "the region \"%s\"",
-                 s->n_regions > 0 ? s->regions[0].name : model->mesh->regions[0].name);
+    else if (region)
+        snprintf(what, sizeof what, "the region \"%s\"%s", region, tools ? " under a tool" : "");
     else if (model->density_kg_m3 > 0.0 || s->density_kg_m3 > 0.0)
         snprintf(what, sizeof what, "a density");
     else if (model->volume_modulus_Pa > 0.0 || s->volume_modulus_Pa > 0.0)
@@ -142,22 +152,40 @@ static palp_status make_network(palp_ranks *ranks, const palp_model *model, cons
     return status;
 }
 
+/* The whole mesh with the stiffness of the regions, whose neighbours may be in other parts. */
+static palp_status scale_whole(const palp_mesh *mesh, const palp_material *material,
+                               palp_network_settings *s, palp_mesh **scaled, palp_error *error) {
+    palp_status status = mesh_copy(mesh, scaled);
+    if (!status)
+        status = network_scale_mesh(*scaled, material, s, error);
+    s->n_regions = 0;
+    return status;
+}
+
 palp_status palp_ranks_network(palp_ranks *ranks, const palp_model *model, const palp_mesh *mesh,
                                size_t n_supports, const palp_support *supports,
                                const palp_network_settings *settings, bool tools, palp_network **network,
                                palp_error *error) {
     if (!ranks || !model || !network)
         return palp_error_null(error);
-    const palp_network_settings own = settings ? *settings : palp_network_settings_default();
+    palp_network_settings own = settings ? *settings : palp_network_settings_default();
     palp_support usual[2];
-    palp_mesh *made = NULL;
+    palp_mesh *made = NULL, *scaled = NULL;
     palp_supports_default(usual);
-    palp_status status = refuse_unsupported(model, &own, error);
+    own.n_regions = model->mesh ? model->mesh->n_regions : 0;
+    own.regions = model->mesh ? model->mesh->regions : NULL;
+    palp_status status = refuse_unsupported(model, &own, tools, error);
     if (!status && !mesh)
         status = part_agree(ranks->comm, palp_model_mesh(model, &made, error), error);
+    const palp_mesh *whole = mesh ? mesh : made;
+    if (!status && own.n_regions > 0) {
+        status = part_agree(ranks->comm, scale_whole(whole, &model->material, &own, &scaled, error), error);
+        whole = scaled;
+    }
     if (!status)
-        status = make_network(ranks, model, mesh ? mesh : made, supports ? n_supports : 2,
-                              supports ? supports : usual, &own, tools, network, error);
+        status = make_network(ranks, model, whole, supports ? n_supports : 2, supports ? supports : usual,
+                              &own, tools, network, error);
+    palp_mesh_free(scaled);
     palp_mesh_free(made);
     return status;
 }

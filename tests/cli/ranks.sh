@@ -33,7 +33,12 @@ both() { # name model ranks options...
     "$PALPATE" simulate "$model" --ranks "$ranks" "$@" --out "$name.$ranks.csv" 2>"$name.$ranks.err" || fail "$name over $ranks: $(cat "$name.$ranks.err")"
     same "$name.csv" "$name.$ranks.csv"
 }
+sed 's/"formulation"/"regions": [{"name": "nodule", "sphere": {"centre_mm": [10, 11, 12], "radius_mm": 6}, "stiffness_factor": 3}, \
+    {"name": "layer", "box": {"low_mm": [0, 20, 0], "high_mm": [24, 24, 24]}, "stiffness_factor": 0.5}], "formulation"/' arms.json >regions.json
+sed 's/, "scaling": "continuum"//' regions.json >plain_regions.json
 for ranks in 1 2 3; do
+    both regions regions.json $ranks --protocol ramp_hold --depth-mm 4 --hold-s 2 --dt-ms 250
+    both plain_regions plain_regions.json $ranks --protocol static --depth-mm 2 --rate-mm-s 1 --dt-ms 1000
     both plate elastic.json $ranks --protocol static --depth-mm 4 --rate-mm-s 1 --dt-ms 1000
     both hold arms.json $ranks --protocol ramp_hold --depth-mm 4 --hold-s 20
 done
@@ -88,8 +93,9 @@ for key in '"density_kg_m3": 1000|a density' '"volume_modulus_Pa": 1000|a volume
     sed "s/\"formulation\"/${key%|*}, \"formulation\"/" elastic.json >key.json
     refused 1 "cannot have ${key#*|}" simulate key.json --ranks 1 --protocol static --depth-mm 1
 done
-sed 's/"formulation"/"regions": [{"name": "nodule", "sphere": {"centre_mm": [12, 12, 12], "radius_mm": 6}, "stiffness_factor": 3}], "formulation"/' elastic.json >key.json
-refused 1 'cannot have the region "nodule"' simulate key.json --ranks 1 --protocol static --depth-mm 1
+refused 1 'cannot have the region "nodule" under a tool' simulate regions.json --ranks 1 --protocol static --depth-mm 1 --tip sphere --tip-radius-mm 5
+sed 's/"stiffness_factor": 0.5/&, "poisson_ratio": 0.4/' regions.json >key.json
+refused 1 'cannot have the region "layer"' simulate key.json --ranks 1 --protocol static --depth-mm 1
 refused 2 "branch stable does not go" simulate elastic.json --ranks 1 --protocol static --depth-mm 1 --branch stable
 refused 2 "band does not go" simulate elastic.json --ranks 1 --protocol static --depth-mm 1 --band
 refused 2 "solver does not go" simulate elastic.json --ranks 1 --protocol static --depth-mm 1 --solver band
