@@ -1,6 +1,7 @@
-/* bench_ripple.c: ripple of the force on a smooth sphere that slides over a lattice scaled as a solid, with
- * that solid's law, on whole triangles (-1), local points (0) and smooth surfaces. Ripple is the range within
- * the length of an edge over the mean, after subtraction of a moving mean over one edge. */
+/* bench_ripple.c: ripple of the force on a smooth sphere that slides over a lattice scaled as a solid. The
+ * lattice has the solid's law. The sphere touches whole triangles (-1), local points (0) or a smooth surface.
+ * Ripple is the range within the length of an edge over the mean, after subtraction of a moving mean over one
+ * edge. */
 #include "bench.h"
 
 #include <math.h>

@@ -99,7 +99,7 @@ static void move_hand(body *b, double dt, int ticks) {
     palp_network_grasp(b->net, b->n_grasped, b->grasped, target);
 }
 
-/* The region with the largest share of the force that is normal to the sphere, or -1 if that is the rest. */
+/* The region with the largest share of the force that is normal to the sphere, or -1 outside all regions. */
 static int touched_region(const body *b) {
     enum { ROOM = 256 };
     palp_contact contact[ROOM];

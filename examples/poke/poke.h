@@ -41,7 +41,7 @@ typedef struct body {
     size_t failed; /* ticks that found no state */
 } body;
 
-/* Reads a network model; bottom fixed, the rest free. false: a line was printed. */
+/* Reads a network model; the bottom is fixed, all other nodes are free. false: a line was printed. */
 bool body_open(body *b, const char *path);
 void body_close(body *b);
 void body_reset(body *b);
@@ -91,7 +91,7 @@ typedef struct script script;
 script *script_read(const char *path); /* NULL: a line was printed */
 void script_free(script *s);
 
-/* Does one frame's worth; mode follows what it does. */
+/* Runs the commands of one frame; mode follows them. */
 void script_frame(script *s, body *b, view *v, poke_mode *mode);
 
 /* ---- image.c ---- */

@@ -1,4 +1,5 @@
-/* pid.c: position control of the plate: feed-forward of what is known, PID for the rest. */
+/* pid.c: position control of the plate: feedforward of the known forces, and a PID controller of the
+ * error. */
 #include "pid.h"
 
 #include "machine.h"

@@ -148,9 +148,9 @@ PALP_API palp_presses_settings palp_presses_settings_default(void);
  * model are left out. mesh: the model's, with its regions. result, which the caller frees, has the samples of
  * all presses one after the other. ERR_UNSUPPORTED: another kind of law, mass, a Poisson's ratio where the
  * network cannot have one; ERR_ARGUMENT: no press, one without force, too few samples for the law, numbers
- * out of range, a region to fit that is not there or has a material of its own; ERR_STOPPED by progress; the
- * statuses of palp_network_create, palp_network_enable_tools and, at the first guess, of palp_network_step.
- */
+ * out of range; also a region to fit that is not there or has a material of its own. ERR_STOPPED by progress;
+ * the statuses of palp_network_create, palp_network_enable_tools and, at the first guess, of
+ * palp_network_step. */
 PALP_API palp_status palp_calibrate_presses(palp_model *model, const palp_mesh *mesh, size_t n_targets,
                                             const palp_press_target *targets,
                                             const palp_presses_settings *settings, palp_calibration *result);

@@ -63,11 +63,11 @@ PALP_API palp_status palp_experiment_get_json(const palp_experiment *experiment,
 PALP_API palp_status palp_experiment_set_json(palp_experiment *experiment, const char *key, const char *text);
 
 /* Joins runs that are spread over several files. A recording continues another one of the same specimen
- * (specimen.name) if it begins under load at the time, depth and force at which that one ends. of[i] is
- * the recording that begins the run which recording i is a part of; i itself if it stands alone. whole[i] is
- * the joined run where one begins at i, which the caller frees, and NULL elsewhere. A joined run has the
- * rows of its parts in turn, the columns that all parts have, and the keys of the first part. From the last
- * part it has the keys that start with "end.". ERR_NO_MEMORY: there is nothing to free. */
+ * (specimen.name) if it begins under load where that one ends: in time, depth and force. of[i] is the
+ * recording that begins the run which recording i is a part of; i itself if it stands alone. whole[i] is the
+ * joined run where one begins at i, which the caller frees, and NULL elsewhere. A joined run has the rows of
+ * its parts in turn, the columns that all parts have, and the keys of the first part. From the last part it
+ * has the keys that start with "end.". ERR_NO_MEMORY: there is nothing to free. */
 PALP_API palp_status palp_experiment_join(size_t n, const palp_experiment *const *run,
                                           palp_experiment **whole, size_t *of);
 

@@ -65,11 +65,11 @@ PALP_API palp_network_settings palp_network_settings_of_model(const palp_model *
 /* The thesis' supports: "bottom" fixed, "top" fixed in x and z and driven in -y. */
 PALP_API void palp_supports_default(palp_support supports[2]);
 
-/* The law with which a mesh that is scaled as a continuum is a neo-Hookean solid of this Young's modulus and
- * Poisson's ratio (0.25 to below 0.5, that of palp_network_settings). Springs of one stiffness are that solid
- * at small strains only: pressed by a fifth they are a third too soft. The force is the solid's where it is
- * evenly pressed by 0.1 and 0.2 between plates that slide, and within 0.3 % between. From 0.3 the law is
- * straight. ERR_UNSUPPORTED: a mesh without volume or elements; ERR_NOT_CONVERGED: there is no such law. */
+/* The law that makes a mesh scaled as a continuum a neo-Hookean solid of this Young's modulus. Poisson's
+ * ratio, 0.25 to below 0.5, is that of palp_network_settings. Springs of constant stiffness are this solid at
+ * small strains only: at a strain of 0.2 they are a third too soft. Under even compression between sliding
+ * plates the force is the solid's at strains of 0.1 and 0.2, and within 0.3 % between them. Above 0.3 the law
+ * is linear. ERR_UNSUPPORTED: a mesh without volume or elements; ERR_NOT_CONVERGED: there is no such law. */
 PALP_API palp_status palp_law_of_solid(const palp_mesh *mesh, double poisson_ratio, double young_Pa,
                                        palp_law *law);
 
@@ -88,9 +88,9 @@ typedef struct palp_step_info {
 /* Builds a network: symbolic analysis once, all memory allocated here. Copies what it needs of the
  * mesh and the material. The caller owns *network. error may be NULL. ERR_ARGUMENT: a setting, a motion or
  * the material is out of range; ERR_INPUT: the mesh has no such node set or region; ERR_UNSUPPORTED: the
- * supernodal solver in a build without GPL=1, a region's material other than PALP_HISTORY, a volume modulus
- * or Poisson's ratio where there are no cells or tetrahedra, or edges or diagonals of them are no elements;
- * ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
+ * supernodal solver in a build without GPL=1, or a region's material other than PALP_HISTORY; also a volume
+ * modulus or Poisson's ratio without cells or tetrahedra, or where edges or diagonals of them are no
+ * elements; ERR_LIMIT: too large for 32-bit indices; ERR_NO_MEMORY. */
 PALP_API palp_status palp_network_create(const palp_mesh *mesh, const palp_material *material,
                                          size_t n_supports, const palp_support *supports,
                                          const palp_network_settings *settings, palp_network **network,

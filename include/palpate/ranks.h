@@ -45,12 +45,12 @@ PALP_API palp_status palp_ranks_network(palp_ranks *ranks, const palp_model *mod
                                         const palp_network_settings *settings, bool tools,
                                         palp_network **network, palp_error *error);
 
-/* Writes the committed state of such a network without tools, in the order of the whole mesh, and n numbers
- * of the caller, which are the same in all processes; a temporary name, then rename. restore reads it into
- * the same network over any number of processes; *more is malloc'ed, for the caller to free. ERR_FILE;
- * ERR_INPUT: the file is no such state, or another network's; ERR_UNSUPPORTED: tools, PALP_SEDEF2008, a
- * network that is not in parts. After a failed restore the network is at rest. Over several processes a disk
- * that fills while the file is written ends them all. */
+/* Writes the committed state of such a network without tools, in the order of the whole mesh. It also writes
+ * n numbers of the caller, the same in all processes. The file gets a temporary name first and is renamed.
+ * restore reads it into the same network over any number of processes; *more is malloc'ed, for the caller to
+ * free. ERR_FILE; ERR_INPUT: the file is no such state, or another network's; ERR_UNSUPPORTED: tools,
+ * PALP_SEDEF2008, a network that is not in parts. After a failed restore the network is at rest. Over several
+ * processes a disk that fills while the file is written ends them all. */
 PALP_API palp_status palp_ranks_save(const palp_network *network, const char *path, size_t n,
                                      const double *more, palp_error *error);
 PALP_API palp_status palp_ranks_restore(palp_network *network, const char *path, size_t *n, double **more,

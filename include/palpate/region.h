@@ -1,4 +1,4 @@
-/* region.h: parts of a mesh whose material differs from that of the rest. Stable. */
+/* region.h: parts of a mesh that have a material of their own. Stable. */
 #ifndef PALPATE_REGION_H
 #define PALPATE_REGION_H
 
@@ -21,10 +21,9 @@ typedef enum palp_region_shape {
 
 /* A region of a network or of a network model; a plain value. Where regions overlap, the later one counts. A
  * membrane is added to the tissue below: K of own_material is that of a strip 1 m wide, its modulus times its
- * thickness, and its Poisson's ratio 1/3. Fibres
- * add to the region's material and work in tension and compression alike: I4 is the square of the stretch
- * along them (the standard reinforcing model). They need a mesh as Poisson's ratio does; arms do not change
- * them. */
+ * thickness. Its Poisson's ratio is 1/3. Fibres add to the region's material and work in tension and
+ * compression alike: I4 is the square of the stretch along them (the standard reinforcing model). They need a
+ * mesh as Poisson's ratio does; arms do not change them. */
 typedef struct palp_region {
     char name[PALP_REGION_NAME_MAX];
     palp_region_shape shape;

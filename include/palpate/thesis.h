@@ -43,9 +43,9 @@ typedef struct palp_three_phase_settings {
 /* 80 runs of 1 ms steps, 0.01, 1e-3 N/s, nodes in equilibrium throughout. */
 PALP_API palp_three_phase_settings palp_three_phase_settings_default(void);
 
-/* Figure 5.21, one arm and one ramp and hold from rest. K1 and b1 are adjusted to the peak force, then b1 to
- * the time to the steady state, and the law's scale to the force there. This is repeated until all
- * three errors are within error_bound. The network's material is replaced by the result. ERR_UNSUPPORTED:
+/* Figure 5.21, one arm and one ramp and hold from rest. K1 and b1 are adjusted to the peak force. Then b1 is
+ * adjusted to the time to the steady state, and the law's scale to the force there. This is repeated until
+ * all three errors are within error_bound. The network's material is replaced by the result. ERR_UNSUPPORTED:
  * not one arm; ERR_ARGUMENT: another path, a record without force or that ends with its ramp. */
 PALP_API palp_status palp_thesis_three_phase(palp_network *network, const palp_material *start,
                                              const palp_target *target,

@@ -24,9 +24,10 @@ void contact_plane_at(const int32_t node[3], const double *x, contact_plane *pla
     }
 }
 
-/* The depth is along the normal n of the triangle: u = g(q) - z, z the height of the sphere's centre over the
- * plane, v from the centre to the point, q = v v - z^2 the square of its way aside, g = sqrt(r^2 - q). With
- * the shares s of the point and t of the centre's foot, d u / d x_i = 2 g' s_i v + (1 + 2 g' z) t_i n. */
+/* The depth is along the normal n of the triangle: u = g(q) - z, with z the height of the sphere's centre
+ * over the plane. v leads from the centre to the point; q = v v - z^2 is the squared distance of the point
+ * from the normal through the centre; g = sqrt(r^2 - q). With the shares s of the point and t of the centre's
+ * foot, d u / d x_i = 2 g' s_i v + (1 + 2 g' z) t_i n. */
 void contact_dip_at(const palp_tool *tool, double along, const contact_plane *plane, const double point[3],
                     contact_dip *dip) {
     double centre[3];
@@ -124,8 +125,8 @@ void contact_face_push(const contact *c, int i, double force[3]) {
         force[k] = -c->pressure * c->face.deepening[i][k];
 }
 
-/* Tangent of a triangle's pressure: slope u_a u_b' + pressure u_ab, with d q / d x_a = 2 s_a v + 2 z t_a n
- * and d(t_a n) / d x_b = z (g_a g_b) n n' - t_b n g_a' - t_a g_b n', g the gradients of the shares. */
+/* Tangent of a triangle's pressure: slope u_a u_b' + pressure u_ab, with d q / d x_a = 2 s_a v + 2 z t_a n;
+ * d(t_a n) / d x_b = z (g_a g_b) n n' - t_b n g_a' - t_a g_b n'; g the gradients of the shares. */
 void contact_face_block(const contact *c, int a, int b, double k[9]) {
     const struct contact_face *f = &c->face;
     const double *n = f->plane.outward, *ga = f->plane.gradient[a], *gb = f->plane.gradient[b],

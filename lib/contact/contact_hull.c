@@ -129,7 +129,7 @@ double contact_turned(const palp_tool *was, const palp_tool *is) {
     return (is->radius_m + size) * 2.0 * atan2(sqrt(dot3(turn + 1, turn + 1)), fabs(turn[0]));
 }
 
-/* Along the chord between the quaternions, of which the negative is the same rotation. */
+/* Linear interpolation between the quaternions, normalized. A quaternion's negative is the same rotation. */
 void contact_turn_between(const palp_tool *was, const palp_tool *is, double share, double orientation[4]) {
     double turn[4], from[4], to[4];
     if (!turn_between_poses(was, is, turn))

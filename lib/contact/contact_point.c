@@ -329,7 +329,7 @@ static void multiply_fixed_point(const contact *c, const double *u, double *out)
 
 /* Second derivative of the distance d of a centre to a triangle:
  * d_ij = s_i s_j Q / d + n g_i' s_j + s_i g_j n' - d (g_i g_j) n n'
- * with n = -normal, the shares s, their gradients g, and Q = 1 - n n' without the directions of g. */
+ * with n = -normal, the shares s and their gradients g. Q is 1 - n n' without the directions of g. */
 void contact_times(const contact *c, const double *u, double *out) {
     if (c->fixed) {
         multiply_fixed_point(c, u, out);

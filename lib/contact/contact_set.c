@@ -291,12 +291,11 @@ static double friction_limit_of_contact(const contact_set *set, const contact *c
     return c->depth > 0.0 ? set->pose[c->tool].friction * contact_normal_force(c) : 0.0;
 }
 
-/* What is left of earlier errors of a spring's start, as a force: the error times the tissue's stiffness K of
- * the point. A spring of stiffness k that slips keeps its force along the way at the limit, whatever the
- * error there was. Across the way only its share kept remains: its stiffness is k kept, so an error a moves
- * the point by y = k kept a / (K + k kept), and its new start is off by y + kept (a - y) = kept (K + k) a /
- * (K + k kept). The way turns from tick to tick: some of the error along the last one is across the new one.
- */
+/* The remaining error of a spring's start, as a force: the error times the tissue's stiffness K of the point.
+ * A spring of stiffness k that slips keeps its force along the way at the limit, whatever the error there
+ * was. Across the way only its share kept remains, and its stiffness is k kept. So an error a moves the point
+ * by y = k kept a / (K + k kept). The new start is off by y + kept (a - y) = kept (K + k) a / (K + k kept).
+ * The way turns from tick to tick: some of the error along the last one is across the new one. */
 static contact_doubt doubt_after_slip(const contact_set *set, const contact *c) {
     const double soft = 1.0 / set->settings.stiffness;
     double cross[3], turn = 1.0;

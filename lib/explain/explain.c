@@ -81,8 +81,8 @@ static void tell(const infer_search *s, double share) {
         s->settings->progress(s->settings->progress_user, share);
 }
 
-/* The set that was found must predict what is left out better than the empty one, which takes its place
- * otherwise. */
+/* The effects that were found must predict the runs left out better than no effect; otherwise they are
+ * dropped. */
 static palp_status confirm(infer_search *s, infer_fit *given, palp_explanation *e) {
     infer_left_out with = {.n = 0}, without;
     double se;

@@ -122,8 +122,8 @@ void explain_shown_find(explain_data *data);
 /* ---- runs without a specimen (explain_block.c) ---- */
 
 /* What each input presses, as its file says (specimen.kind), or else as its force shows beside the others'. A
- * press that feels nothing stays a press of the specimen where its file names one, or where it lacks the
- * noise that other runs have: palp_recording_check refuses it then. */
+ * run without force counts as a press of the specimen if its file names one, or if it lacks the noise of the
+ * other runs. palp_recording_check then refuses it. */
 palp_status explain_find_pressed(size_t n, const palp_explain_input *inputs, palp_explain_pressed *pressed,
                                  palp_error *error);
 
@@ -132,7 +132,7 @@ palp_status explain_block_measure(size_t n, const palp_explain_input *inputs,
                                   palp_error *error);
 
 /* Adds the frame's compliance that blocks show to a model that has none, if the specimen's runs can feel it:
- * true. It is no parameter of the fits then. As what it is told: */
+ * true. It is then no parameter of the fits. The effect as the result reports it: */
 bool explain_frame_add(const explain_data *data, const palp_explain_settings *settings, palp_model *model);
 palp_explain_effect explain_frame_effect(const explain_data *data);
 

@@ -178,7 +178,7 @@ palp_status explain_line_in_depth(const explain_data *data, const double *residu
     return PALP_OK;
 }
 
-/* ---- what is left ---- */
+/* ---- peaks of the residual ---- */
 
 palp_status explain_peak_in_depth(const explain_data *data, const double *residual, palp_explain_peak *peak) {
     enum { FREQUENCIES = 600 };

@@ -1,5 +1,5 @@
-/* explain_lines.h: the lines in what is left of the runs. residual[data->n] holds all runs one after the
- * other. Internal. */
+/* explain_lines.h: spectral lines of the residual. residual[data->n] holds all runs one after the other.
+ * Internal. */
 #ifndef EXPLAIN_LINES_H
 #define EXPLAIN_LINES_H
 
@@ -13,8 +13,8 @@ enum {
 /* Whether the runs are sampled fast and long enough to show the mains. */
 bool explain_line_visible(const explain_data *data);
 
-/* Whether they are long enough for one line of the mains' band to stand out from the rest of it. In shorter
- * ones a line is as wide as the band. */
+/* Whether they are long enough to resolve one line within the mains' band. In shorter ones a line is as wide
+ * as the band. */
 bool explain_line_resolved(const explain_data *data);
 
 /* Strongest line of a residual over time, 40 to 70 Hz, and over depth. ERR_UNSUPPORTED: there is none; it is

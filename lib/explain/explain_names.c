@@ -1,4 +1,4 @@
-/* explain_names.c: settings, names of what is told, and what an answer holds. */
+/* explain_names.c: default settings, names of verdicts and objects, and the release of a result. */
 #include <palpate/explain.h>
 
 #include <stdlib.h>

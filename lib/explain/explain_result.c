@@ -51,7 +51,7 @@ void explain_keep_residual(const double *from, palp_explanation *e, bool before)
         memcpy(before ? e->run[r].before_N : e->run[r].after_N, from, e->run[r].n * sizeof *from);
 }
 
-/* Shares of the squared gap by run and phase, the largest first; and what is left of it there. */
+/* Shares of the squared gap by run and phase, the largest first; and the remaining share of it there. */
 void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N) {
     double total = 0.0;
     for (size_t r = 0; r < e->n_runs; r++) {

@@ -6,7 +6,7 @@
 
 static const double PRESSED = 0.05; /* of the deepest: from there on a run presses */
 static const double ONE_SPEED =
-    1.5; /* with less between the fastest and the slowest nothing that knows time is told from the law */
+    1.5; /* a smaller ratio of the fastest to the slowest speed cannot separate rate effects from the law */
 
 /* Widens the range of a run's mean speeds over twentieths of the time that it presses. */
 static void add_speeds(const explain_run *run, double deepest, double *slowest, double *fastest) {

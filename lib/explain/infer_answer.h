@@ -1,18 +1,19 @@
-/* infer_answer.h: what the posterior says beyond the set of effects: checks, classes, what remains. Internal.
- */
+/* infer_answer.h: what the posterior says beyond the set of effects: the check by prediction, equivalence
+ * classes, discrepancy and free terms. Internal. */
 #ifndef INFER_ANSWER_H
 #define INFER_ANSWER_H
 
 #include "infer_search.h"
 
-/* ---- predicted from the rest (infer_check.c) ---- */
+/* ---- cross-validation (infer_check.c) ---- */
 
-/* Log probability of each run given the others, of the runs held out given those that are fitted, or of each
- * eighth of a single run given the rest. All parameters take the best step of the linear problem. */
+/* Log probability of each run given the others, or of the runs held out given those that are fitted. Of a
+ * single run it is that of each eighth given the seven others. All parameters take the best step of the
+ * linear problem. */
 typedef struct infer_left_out {
     size_t n;
     double *score; /* [n] nats */
-    double rms_N;  /* of what is left of these runs; 0: there is a single one */
+    double rms_N;  /* of the residual of these runs; 0: there is a single one */
 } infer_left_out;
 
 /* Sets held_out or use of a run for a moment. infer_left_out_free, on failure too. */
@@ -35,8 +36,8 @@ palp_status infer_law_find(const infer_search *s, const palp_model *given, palp_
 
 palp_status infer_describe(infer_search *s, palp_explanation *e);
 
-/* The experiment that is expected to tell most about which effect of the class of out->effect is the true
- * one, if that is more than *next tells. (infer_next.c) */
+/* The experiment with the largest expected information on which effect of out's equivalence class is the true
+ * one. It replaces *next if it has more. (infer_next.c) */
 palp_status infer_next_find(const infer_search *full, const infer_search *rest,
                             const palp_explain_effect *out, palp_explain_next *next);
 

@@ -1,4 +1,4 @@
-/* infer_check.c: what is left out, predicted from the rest: each run, or of a single one each eighth. */
+/* infer_check.c: cross-validation: each run predicted from the others, or each eighth of a single run. */
 #include "infer_answer.h"
 
 #include <math.h>

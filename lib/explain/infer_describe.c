@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How the evidence of an effect scatters over what is predicted from the rest. */
+/* How the evidence of an effect scatters over the runs in turn, each predicted from the others. */
 static palp_status find_gain(infer_search *s, const infer_search *rest, palp_explain_effect *out) {
     infer_left_out with, without = {.n = 0};
     palp_status status = infer_leave_out(&s->fit, &s->data, &with);

@@ -270,7 +270,8 @@ static palp_status fit_given(const infer_search *s, const palp_material *given, 
     return status;
 }
 
-/* What the spline is worth over the family's own fit: a family need not be the spline at its knots. */
+/* Evidence of the spline over the family's own fit: a law of the family need not equal the spline at its
+ * knots. */
 static palp_status compare_fits(const infer_search *s, const palp_material *given, const palp_law *nearest,
                                 double *nats, double *rms_N) {
     double score;

@@ -130,9 +130,9 @@ static bool add_run(const infer_fit *fit, const explain_data *data, size_t r, si
     return true;
 }
 
-/* Doubles that a posterior keeps of a specimen: Cholesky factor of what is its own given the global ones, and
- * that factor's inverse times its rows beside the global columns and the residual, a column after the
- * other. */
+/* Doubles that a posterior keeps of a specimen. First the Cholesky factor of its own parameters, conditional
+ * on the global ones. Then that factor's inverse times its rows of the global columns and the residual,
+ * column by column. */
 static size_t specimen_room(size_t g) {
     return SPECIMEN_SQUARE + INFER_SPECIMEN * (g + 1);
 }
@@ -205,8 +205,8 @@ static void drop_absent(const infer_fit *fit, size_t n, double *a) {
     }
 }
 
-/* The multiplier out of a[(g + 2) (g + 2)], which becomes [(g + 1) (g + 1)]: what is left has contacts that
- * average 0. Their prior is normal under that condition too. */
+/* The multiplier out of a[(g + 2) (g + 2)], which becomes [(g + 1) (g + 1)]: the contacts then average 0.
+ * Their prior is normal under that condition too. */
 static void take_mean(const infer_fit *fit, const explain_data *data, infer_posterior *p, double *a) {
     const size_t g = p->g, n = g + 2;
     const double curvature = -a[g * n + g];
@@ -418,9 +418,10 @@ palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean,
     return status;
 }
 
-/* How run r's own, of which l is the factor, depends on the outer ones: cross[BLOCK outer], through the
- * specimen too. slope[SPECIMEN (g + 2)], spread[SPECIMEN SPECIMEN]: of the specimen's own, likewise, and what
- * is left open of it. covariance[BLOCK BLOCK] (NULL: not wanted): of the run's own, the global ones given. */
+/* How the parameters of run r, with factor l, depend on the outer ones: cross[BLOCK outer], through the
+ * specimen too. slope[SPECIMEN (g + 2)]: likewise of the specimen's parameters; spread[SPECIMEN SPECIMEN]:
+ * their covariance. covariance[BLOCK BLOCK] (NULL: not wanted): of the run's parameters, conditional on the
+ * global ones. */
 static void depend_on_outer(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                             size_t r, const double *l, double *cross, double *slope, double *spread,
                             double *covariance) {

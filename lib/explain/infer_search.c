@@ -240,7 +240,7 @@ static bool is_stopped(const infer_search *s, infer_trial *t) {
     return stop;
 }
 
-/* How far the trial changes what is left, and what the runs tell of its strength. */
+/* How far the trial changes the residual, and how well the runs determine its strength. */
 static palp_status examine(const infer_search *s, infer_trial *t) {
     const size_t n = s->data.n;
     double *left = malloc(2 * n * sizeof *left);
@@ -278,8 +278,8 @@ static void try_task(void *user, size_t i) {
     rank(s, t);
 }
 
-/* Settles a trial's fit if it is among those that promise most, or if its material is another one, which
- * takes more than a few steps; freed where it cannot be. */
+/* Brings a trial's fit to convergence if it is among the most promising ones, or if its arms are driven
+ * otherwise, which needs more than a few steps. Freed where it fails. */
 static palp_status settle_promising(const infer_search *s, infer_fit *fit) {
     const bool driven =
         fit->raw && fit->c.model.material.quasi_linear != s->fit.c.model.material.quasi_linear;
@@ -448,7 +448,7 @@ palp_status infer_search_without(const infer_search *full, size_t i, infer_searc
     return settle_without(full, &model, hum, &rest->fit);
 }
 
-/* What an effect is worth beside the fit at hand, if this is the search without it; nats. */
+/* Evidence of an effect in the fit at hand, if rest is the search without it; nats. */
 static double worth_over(const infer_search *s, const infer_search *rest) {
     return s->fit.score - infer_price(s) - rest->fit.score;
 }
@@ -460,8 +460,8 @@ static void go_on_from(infer_search *s, infer_search *rest) {
     rest->fit.raw = NULL;
 }
 
-/* Takes out an effect that is not worth its price, or exchanges one for a better one. A single one was just
- * compared with none. */
+/* Removes an effect whose evidence is below the threshold, or exchanges one for a better one. A single one
+ * was just compared with none. */
 static palp_status review(infer_search *s, bool *changed) {
     palp_status status = PALP_OK;
     *changed = false;

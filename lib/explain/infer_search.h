@@ -12,7 +12,7 @@ typedef struct infer_trial {
     infer_fit fit;    /* fit.raw NULL: it could not be tried */
     infer_fit second; /* from another start, as long as either may be the better one; raw NULL: none */
     double gain;      /* in log evidence, less the logarithm of the number of candidates, nats */
-    double explained; /* rms by which it changes what is left, N */
+    double explained; /* rms by which it changes the residual, N */
     double learned;   /* share of its strength's prior variance that the runs take away, */
     double share;     /* and the largest one at its starts beside the fit at hand */
     palp_status status;
@@ -50,7 +50,8 @@ double infer_price(const infer_search *s);
 palp_status infer_try_all(infer_search *s);
 void infer_trials_free(infer_search *s);
 
-/* Adds effects as long as one is worth it, takes out those that are not, exchanges one for a better one. */
+/* Adds effects as long as one exceeds the threshold, removes those below it, exchanges one for a better
+ * one. */
 palp_status infer_search_run(infer_search *s);
 
 /* Where a search has left a discrepancy or another law: each effect beside the model as given, without a
@@ -58,8 +59,8 @@ palp_status infer_search_run(infer_search *s);
  * search began with. Keeps the more probable end. (infer_anew.c) */
 palp_status infer_search_anew(infer_search *s, const infer_fit *base);
 
-/* Takes out effects that are not worth their price any more, from the last to the first, as all of them have
- * moved to their best place together. */
+/* Removes effects whose evidence fell below the threshold when all were fitted together, from the last to the
+ * first. */
 palp_status infer_search_drop(infer_search *s);
 
 /* The search without added effect i; its trials are not done. */
@@ -82,8 +83,8 @@ palp_status infer_specimens_find(const infer_search *s, palp_explanation *e);
 palp_status infer_estimates_fill(infer_search *s, size_t n, const palp_explain_input *inputs,
                                  palp_specimens_fit *out);
 
-/* In place of the spline of the fit at hand the most probable of the laws that choice has, if it is more
- * probable than that, or if the spline does not compete. (infer_law.c) */
+/* Replaces the spline of the fit at hand by the most probable law of choice. The spline stays if it is more
+ * probable and competes. (infer_law.c) */
 palp_status infer_law_choose(infer_search *s, const palp_explain_choice *choice);
 
 palp_effect_id infer_added_id(const infer_search *s, size_t i);

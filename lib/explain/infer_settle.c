@@ -13,9 +13,9 @@ static double move(double from, double to, double share, double least, bool *mov
     return from + share * (to - from);
 }
 
-/* In *fit each specimen's own, each run's surface, and its gain where a sensor bends, this share of the way
- * from where they are in *from to where its posterior p has them; a surface at most a quarter of the depth
- * away. The columns stay those of *from. */
+/* Moves in *fit the parameters of each specimen, each run's surface, and its gain where a sensor bends. They
+ * go this share of the way from their values in *from to those of its posterior p; a surface goes at most a
+ * quarter of the depth. The columns stay those of *from. */
 static palp_status move_own(const infer_fit *from, const explain_data *data, const infer_posterior *p,
                             double share, infer_fit *fit, bool *moved) {
     const double most = 0.25 * data->deepest;
@@ -180,7 +180,7 @@ palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t ro
         fit->noise.white *= sqrt(p.here / (double)explain_samples(data));
         infer_posterior_free(&p);
         status = infer_fit_products(fit, data);
-        if (!status && i > 0 && data->law_alone) /* what the rest does not follow must not bend the rest */
+        if (!status && i > 0 && data->law_alone) /* a misfit must not distort the model */
             status = infer_tails_learn(fit, data);
     }
     return status ? status : infer_fit_score(fit, data);

@@ -6,9 +6,9 @@
 
 enum { GRID = 120 }; /* sizes of the scatter, evenly in the logarithm */
 
-/* The 2.5 % and 97.5 % points of the posterior of the law's scatter, of which the factor on all stiffnesses
- * and that on the law alone keep their shares. Its prior is even in the logarithm, as that of all sizes; with
- * b_s known exactly this is the interval of chi squared. */
+/* The 2.5 % and 97.5 % points of the posterior of the law's scatter. The factors on all stiffnesses and on
+ * the law alone keep their shares of it. Its prior is even in the logarithm, as that of all sizes; with b_s
+ * known exactly this is the interval of chi squared. */
 static palp_status find_interval(const infer_search *s, palp_explain_specimens *out) {
     infer_fit fit = s->fit; /* its sizes alone change */
     const double least = fit.noise.white / sqrt((double)explain_samples(&s->data)) / s->data.peak;

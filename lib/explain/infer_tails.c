@@ -52,7 +52,7 @@ static void find_squares(const infer_fit *fit, const explain_run *run, const inf
     }
 }
 
-/* One round at what is left of all samples. work: [3 data->n + (INFER_FILTER + 2) longest + STATES]. */
+/* One round on the residual of all samples. work: [3 data->n + (INFER_FILTER + 2) longest + STATES]. */
 static void learn_once(infer_fit *fit, const explain_data *data, const double *left, double *work) {
     double *copy = work, *square = work + data->n, *fitted = square + data->n, *more = fitted + data->n;
     size_t n = 0;

@@ -95,7 +95,7 @@ static double interpolation_error(const force_curve *c, double depth, double for
     return doubt * fabs(hermite(c, c->n - 2, depth) - force) * share * share;
 }
 
-/* The next step and the one after it share what is left, so that no sliver is left over. */
+/* The next step and the one after it divide the remaining depth, so that no tiny last step remains. */
 static double next_depth(double depth, double step, double depth_max) {
     double left = depth_max - depth;
     return step >= left ? depth_max : depth + fmin(step, 0.5 * left);

@@ -74,8 +74,8 @@ palp_status static_stage_run(static_stage *stage, const palp_material *material,
 
 /* What the fit of palp_calibrate_relaxation sees at its first guess: the weighted residual[n_samples],
  * samples of all targets one after the other, and its derivatives by columns [n_samples n_parameters] (room
- * for 1 + 4 PALP_ARMS_MAX columns): by the scale (if fitted), then K_j and log tau_j of each arm (tau held
- * while K varies), then beta and gamma (if fitted), one pair or one an arm. */
+ * for 1 + 4 PALP_ARMS_MAX columns): by the scale (if fitted), then by K_j and log tau_j of each arm (with tau
+ * fixed while K varies); last by beta and gamma (if fitted), one pair or one for each arm. */
 palp_status relaxation_linearize(palp_network *network, const palp_material *start, size_t n_targets,
                                  const palp_target *targets, const palp_relaxation_settings *settings,
                                  size_t *n_parameters, double *residual, double *jacobian);

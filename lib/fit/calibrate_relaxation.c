@@ -1,5 +1,5 @@
-/* calibrate_relaxation.c: arms and scale of the element material from force records of several depths at
- * once (the thesis' open problem of Section 6.2), by least squares with forward sensitivities. */
+/* calibrate_relaxation.c: arms and scale of the element material from force records of several depths at once
+ * (the thesis' open problem of Section 6.2). The method is least squares with forward sensitivities. */
 #include "calibrate_internal.h"
 #include "relaxation_parameters.h"
 #include "response/step_slopes.h"

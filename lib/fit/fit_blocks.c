@@ -59,8 +59,8 @@ static palp_status cut(fit_run *run, const palp_recording *rec, const palp_chara
 }
 
 /* The encoder's count: the least step between neighbours, or difference of two steps, of which all steps are
- * multiples; 0 = the depth is not in counts. A plate that is told in equal steps has such a one too, but at a
- * few corners only another step follows. */
+ * multiples; 0 = the depth is not in counts. A path of equal steps has such a count too, but its step changes
+ * at a few corners only. */
 static double count_of(const palp_recording *rec) {
     const double rounding = 1e-9 * rec->deepest_m, whole = 1e-3;
     double least = HUGE_VAL, before = 0.0;

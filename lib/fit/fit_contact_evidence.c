@@ -1,7 +1,7 @@
-/* fit_contact_evidence.c: do the runs show that their contacts are not where they were taken for? What a fit
- * with known contacts leaves, as far as neither its parameters nor a zero force within its sd explains it, is
- * held against contacts that scatter: the Bayes factor of the two, integrated over the contacts and over the
- * logarithm of their scatter. */
+/* fit_contact_evidence.c: evidence that the contacts differ from the assumed ones. It takes the residual of a
+ * fit with known contacts that neither its parameters nor a zero force within its sd explain. Its Bayes
+ * factor is that of scattered contacts over known ones, integrated over the contacts and the logarithm of
+ * their scatter. */
 #include "base/arena.h"
 #include "base/dense.h"
 #include "fit_internal.h"

@@ -132,14 +132,15 @@ palp_status fit_solve_spectrum(fit_problem *problem, double *p, double *theta, b
 palp_status fit_estimate_fractional(const fit_problem *problem, const double *theta, const fit_curvature *c,
                                     palp_lumped_fit *fit);
 
-/* Inverse of the symmetric a[n n], which is destroyed, scaled to a unit diagonal first, with the least ridge
- * from rounding size on that makes it positive definite: along what the data do not tell, variances are very
- * large, never negative. ERR_SINGULAR: it is indefinite by more than rounding, or not finite. */
+/* Inverse of the symmetric a[n n], which is destroyed. It is first scaled to a unit diagonal. The smallest
+ * ridge that makes it positive definite is added, from rounding size on. In directions that the data do not
+ * determine, variances are very large, never negative. ERR_SINGULAR: it is indefinite by more than rounding,
+ * or not finite. */
 palp_status fit_invert(size_t n, double *a, double *inverse);
 
-/* Where contact is against where it was taken for, in strain, a nuisance parameter beside the fit's: one for
- * all runs, or one a run with a scatter that is learned from the runs (as its mean square, estimates and
- * their variances together). */
+/* The shift of contact from the assumed one, in strain, a nuisance parameter of the fit: one for all runs, or
+ * one for each run. Their scatter is then estimated from the runs, as the mean square of estimates and their
+ * variances together. */
 typedef struct fit_contacts {
     arena memory;
     bool common;
@@ -159,8 +160,8 @@ void fit_contacts_free(fit_contacts *contacts);
 palp_status fit_contacts_differentiate(const fit_problem *problem, const fit_contacts *contacts,
                                        const double *p, double *by, double *other);
 
-/* log of how much likelier what a fit p with known contacts leaves is with contacts that differ from run to
- * run. */
+/* log of the Bayes factor of contacts that differ from run to run over known ones, from the residual of a fit
+ * p with known contacts. */
 palp_status fit_contacts_weigh(const fit_problem *problem, const double *p, double *log_evidence);
 
 /* From a fit p with known contacts; the problem's strains are then those of the contacts found. */
@@ -170,18 +171,19 @@ palp_status fit_contacts_solve(fit_problem *problem, double *p, fit_contacts *co
 palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);
 
-/* The first arm that cannot be told from the next, or from none; n_arms if all can. Two arms are one if their
- * times differ by less than two sds, or by less than 15 %; an arm is nothing if the sd of log K is above 2.
- * covariance[n n] of the parameters v[n], times in rising order; widen: factor on the sds. */
+/* The first arm that the data cannot separate from the next, or from none; n_arms if there is none. Two arms
+ * are one if their times differ by less than two sds, or by less than 15 %; an arm is nothing if the sd of
+ * log K is above 2. covariance[n n] of the parameters v[n], times in rising order; widen: factor on the
+ * sds. */
 size_t fit_weakest_arm(const fit_problem *problem, const double *v, const double *covariance, double widen);
 
 /* The candidate to take by its losses, loss[candidates groups] (0: a group without any): the first
  * whose losses are typically within two standard errors of the best one's, or within a fifth (a tenth in
- * rms): less than that is not worth a parameter. score[candidates]: mean losses; sd[candidates]: standard
+ * rms): a smaller gain does not justify a parameter. score[candidates]: mean losses; sd[candidates]: standard
  * error of the difference to the best. */
 size_t fit_choose(size_t candidates, size_t groups, const double *loss, double *score, double *sd);
 
-/* What a user of recordings is told of a status; what is in error already stays. */
+/* The message of a status for a user of recordings. A message that is in error already stays. */
 palp_status fit_failed(palp_error *error, palp_status status, const char *recording);
 
 /* rms_N and absolute_N, which are 0 so far, of the fit's material over the samples that count. */

@@ -76,9 +76,10 @@ static bool free_strain(const palp_law *law, double plate, double push, double s
     return true;
 }
 
-/* Force where the plate has moved from the strain of before to *strain, of arms that have rest[n] without
- * that motion and take gain[n] by a strain of 1. Where it would pull, the surface leaves the plate: *strain
- * is then where it is free, the force 0, and *tangent, unless NULL, its derivative by the strain there. */
+/* Force after the plate has moved from strain before to *strain. The arms have the forces rest[n] without
+ * this motion, and gain[n] more for a strain of 1. Where the plate would pull, the surface leaves it: *strain
+ * is then that of the free surface, and the force is 0. *tangent, unless NULL, is the derivative of the force
+ * by the strain there. */
 static double press(const palp_law *law, size_t n, const double *rest, const double *gain, double before,
                     double *strain, double *tangent) {
     double force, push = 0.0, stiffness = 0.0;

@@ -119,7 +119,7 @@ static palp_status score_candidate(folds *f, fit_problem *p, double *loss) {
     return status;
 }
 
-/* Deepest strain of all runs but one: a law is judged as far as the rest was measured. */
+/* Deepest strain of all runs but one: a law is judged only as far as the other runs went. */
 static double others_strain(const fit_problem *p, size_t but) {
     double most = 0.0;
     for (size_t r = 0; r < p->n_runs; r++)
@@ -128,9 +128,9 @@ static double others_strain(const fit_problem *p, size_t but) {
     return most;
 }
 
-/* What the fit of the rest would leave of the blocks of a fold, by one Gauss-Newton step from the fit of all,
- * exact for what is linear: d = (J'J - Jf'Jf)^-1 Jf' rf, and rf + Jf d is left. square = J'J; work[3 n n + 2
- * n]. */
+/* Residual of the blocks of a fold by the fit of all others. It takes one Gauss-Newton step from the fit of
+ * all, which is exact for linear parameters: d = (J'J - Jf'Jf)^-1 Jf' rf, and the residual is rf + Jf d.
+ * square = J'J; work[3 n n + 2 n]. */
 static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, const double *residual,
                             const double *jacobian, const double *square, double *work, double *loss,
                             double *count, double *all) {
@@ -191,8 +191,8 @@ static palp_status solve_twice(fit_problem *p, bool started, double *v, double *
     return !status && !(palp_law_minimum(&law, p->strain_max) > 0.0) ? PALP_ERR_SINGULAR : status;
 }
 
-/* Zeroes the derivatives by what a fit without a fold would leave as it is: a time on its bound, and an arm
- * that moves all residuals together by less than one sd of what they are, whose stiffness may be 0. */
+/* Zeroes the derivatives by parameters that a fit without a fold would not move: a time on its bound; an arm
+ * whose stiffness may be 0, as it changes all residuals together by less than one sd. */
 static void fix_idle_arms(const fit_problem *p, const double *v, double chi2, double *jacobian) {
     const double on_bound = 1e-6; /* in log time; the solver meets a bound to 1e-9 */
     const size_t m = p->n_blocks, bytes = m * sizeof *jacobian;
@@ -376,9 +376,9 @@ static size_t choose_by_blocks(const folds *f, const fit_problem *p, size_t laws
     return chosen;
 }
 
-/* Of recordings left out, which have a zero force and a contact of their own, the first law that leaves no
- * more than the best one by two standard errors, or a tenth, in the mean of the groups' rms: a law is for its
- * forces, large ones above all, where arms are for a spectrum and go by logarithms. */
+/* The first law whose error on recordings left out is near the best one's: within two standard errors, or a
+ * tenth, of the mean of the groups' rms. The recordings left out have a zero force and a contact of their
+ * own. A law is judged by forces, so large ones count most; arms are judged by logarithms. */
 static size_t choose_by_runs(const folds *f, size_t laws) {
     size_t best = 0, chosen = 0, groups = f->n_groups;
     double error, typical = 0.0, used = 0.0, *loss = f->loss;

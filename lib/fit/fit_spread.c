@@ -1,6 +1,6 @@
-/* fit_spread.c: see fit_spread.h. Everything is in numbers u = L' x in which the specimens' own covariances
- * are 1 in the (harmonic) mean, so that the eigenvalues of "between" are variances in units of what a
- * specimen's runs leave open. */
+/* fit_spread.c: see fit_spread.h. All work is in u = L' x, for which the harmonic mean of the specimens' own
+ * covariances is the identity. So the eigenvalues of "between" are in units of the variance of one specimen's
+ * estimate. */
 #include "fit_spread.h"
 
 #include "base/arena.h"

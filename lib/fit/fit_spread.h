@@ -1,9 +1,8 @@
-/* fit_spread.h: specimens differ: the mean of their numbers and how these scatter about it, a random-effects
- * estimate. Specimen i has the numbers x_i, which its own runs tell up to a covariance V_i; x_i is normal
- * about the mean with the covariance "between". That is found by restricted maximum likelihood, by the EM
- * algorithm (Laird and Ware 1982), started at the sample's covariance, in the directions in which the
- * specimens differ by more than chance does in one case of twenty: the largest root of a Wishart matrix
- * (Johnstone 2001). Internal. */
+/* fit_spread.h: a random-effects estimate: the mean of specimens' parameters and their scatter. Specimen i
+ * has the parameters x_i, which its own runs give with a covariance V_i. x_i is normal about the mean with
+ * the covariance "between". It is found by restricted maximum likelihood with the EM algorithm (Laird and
+ * Ware 1982), started at the sample covariance. Only directions count in which specimens differ by more than
+ * chance would in one case of twenty: the largest root of a Wishart matrix (Johnstone 2001). Internal. */
 #ifndef FIT_SPREAD_H
 #define FIT_SPREAD_H
 

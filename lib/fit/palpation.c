@@ -692,9 +692,9 @@ static palp_status solve_without_ball(search *s, palp_error *error) {
     return status ? status : solve_presses(s, error);
 }
 
-/* A lattice misses something of a press at its borders and between its nodes. What a finer one of the tissue
- * without a ball has more, log[n] of the forces, is taken for what it misses with one too. The finer one has
- * an error as well: before the presses it is known to be about as large, which counts as so many presses. */
+/* A lattice has an error at its borders and between its nodes. It is measured against a finer lattice of the
+ * tissue without a ball, as log[n] of the forces, and taken to be the same with a ball. The finer lattice has
+ * an error as well. Its prior size is the same, which counts as so many presses. */
 static palp_status measure_lattice_error(const search *s, double *more) {
     search fine = *s;
     memset(more, 0, s->n * sizeof *more);

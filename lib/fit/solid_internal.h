@@ -29,8 +29,8 @@ typedef struct solid_body {
 palp_status solid_body_create(const palp_mesh *mesh, bool slides, solid_body *body);
 void solid_body_free(solid_body *body);
 
-/* What a plate feels at a depth: its force by each coefficient (their sum with c is the force) and the factor
- * of the depth's rate in the viscous force of time (without the damping). */
+/* A plate's force at a depth. by_c_m2 is its derivative by each coefficient; their sum, weighted by c, is the
+ * force. viscous times the rate of depth and the damping is the viscous force. */
 typedef struct solid_feel {
     double by_c_m2[PALP_SOLID_MAX], viscous;
 } solid_feel;

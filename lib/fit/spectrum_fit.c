@@ -125,9 +125,9 @@ static bool follow(stretch *s) {
     return false;
 }
 
-/* Variance of a sample of what the columns leave of the force, but for what the plate's own deviations ask
- * for, with the noise's own at least; wider for a residual that goes on from sample to sample, which holds
- * fewer independent ones. */
+/* Variance of the force's residual, without the force that the plate's own deviations cause, and at least
+ * that of the noise. It is larger if the residual is correlated from sample to sample, as fewer samples are
+ * then independent. */
 static double left(const stretch *s, double stiffness, double noise) {
     double own = 0.0, next = 0.0, last = 0.0, freedom = fmax((double)s->n - (double)s->columns, 1.0);
     for (size_t i = 0; i < s->n; i++) {
@@ -143,9 +143,9 @@ static double left(const stretch *s, double stiffness, double noise) {
     return fmax(own / freedom, noise * noise) * (1.0 + rho) / (1.0 - rho);
 }
 
-/* The stiffness at the middle's frequency. A stretch whose frequency and amplitude change sees, beside K(w),
- * by the second order of K about w, -i K' a / half - i/2 K'' w', a: relative growth of the amplitude; K' and
- * K'' follow from how K changes along the stretch. */
+/* The stiffness at the middle's frequency w. Where frequency and amplitude change, the second order of K
+ * about w adds -i K' a / half - i/2 K'' w' to K(w). a is the relative growth of the amplitude. K' and K''
+ * follow from how K changes along the stretch. */
 static double complex stiffness(const stretch *s) {
     double complex d = wave(s, s->of_depth, 0), d1 = wave(s, s->of_depth, 1) / d,
                    k = wave(s, s->of_force, 0) / d;

@@ -115,8 +115,8 @@ static palp_status number_free_unknowns(palp_network *net, size_t n, const palp_
 }
 
 /* A quarter of each tetrahedron's mass goes to each corner. Hexahedra and meshes without cells (as large as
- * their box) divide mass by the rest length of a node's elements: tetrahedra of hexahedra would favour some
- * corners. */
+ * their box) divide mass in proportion to the rest length of a node's elements: tetrahedra of hexahedra would
+ * favour some corners. */
 static void share_mass_among_nodes(palp_network *net) {
     double low[3], high[3], total = 0.0, volume = mesh_volume(net->mesh, net->mass);
     if (volume > 0.0 && net->mesh->n_hexahedra == 0) {

@@ -1,8 +1,8 @@
-/* network_fibre.c: fibres of a region, one mean stretch in each cell or tetrahedron. With v = F a, F the mean
- * deformation gradient and a the fibre's direction at rest, I4 = v.v, and the energy per volume at rest is
- * E / 8 (I4 - 1)^2 (the standard reinforcing model; Triantafyllidis, Abeyaratne 1983): near rest E times the
- * square of the strain along a, halved. v is a sum of corners, so that a fibre costs little more than a
- * spring. */
+/* network_fibre.c: fibres of a region, one mean stretch in each cell or tetrahedron. F is the mean
+ * deformation gradient, a the fibre's direction at rest, v = F a and I4 = v.v. The energy per volume at rest
+ * is E / 8 (I4 - 1)^2, the standard reinforcing model (Triantafyllidis, Abeyaratne 1983). For small strains
+ * it is half of E times the squared strain along a. v is a weighted sum of the corners, so a fibre costs
+ * little more than a spring. */
 #include "mesh/mesh_internal.h"
 #include "network_internal.h"
 

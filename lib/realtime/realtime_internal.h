@@ -57,8 +57,8 @@ struct palp_realtime {
     double adjoint_far;      /* distance of the nodes from there, m, as one vector */
     double adjoint_farthest; /* the largest adjoint_far so far */
     double adjoint_found;    /* adjoint_far when the correction in progress began */
-    double forgets; /* error of the force by what arms relax in a tick, divided by the share of the stiffness
-                       that relaxes and by the positions' error in the energy norm */
+    double forgets; /* error of the force due to the arms' relaxation in a tick; relative to the share of the
+                       stiffness that relaxes and to the positions' error in the energy norm */
     double doubt;   /* largest ratio of an error in the energy norm to the factor's estimate of it; 1 if both
                        agree */
     double error_ratio; /* that error over |residual|, when last estimated */

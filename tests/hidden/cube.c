@@ -1,7 +1,7 @@
-/* cube.c: a specimen of particles: 3 x 3 x 3 nodes in a cube, an element (the law beside the arms, by its
- * own strain) on every pair of neighbours along edges and diagonals, both end faces held by the plates. It
- * stays as symmetric as it is pressed, so only the middle layer bulges: its edge nodes by one number, its
- * corner nodes by another. Lengths are in spacings of the nodes. */
+/* cube.c: a specimen of particles: 3 x 3 x 3 nodes in a cube. Every pair of neighbours along edges and
+ * diagonals has an element: the law beside the arms, by its own strain. Both end faces are held by the
+ * plates. It stays as symmetric as it is pressed, so only the middle layer bulges: its edge nodes by one
+ * number, its corner nodes by another. Lengths are in spacings of the nodes. */
 #include "hidden.h"
 
 #include <math.h>

@@ -189,19 +189,20 @@ double judge_dot(const judge *j, const double *a, const double *b);
 double judge_rms(const judge *j, const double *v);
 void judge_project(const judge *j, double *v); /* takes off what the plain model's numbers can do */
 
-/* rms of world - plain: raw, and what is left after the plain model's numbers are refitted to the world.
- * residual (NULL or [n]) is what is left. */
+/* rms of world - plain: raw, and after a refit of the plain model's numbers to the world (left). residual
+ * (NULL or [n]) is that of the refit. */
 typedef struct visible {
     double raw, left;
 } visible;
 visible judge_visible(const judge *j, const world *w, double *residual);
-/* The plain world that comes nearest to w; rms of what is left. */
+/* The plain world that comes nearest to w; rms of the residual. */
 double judge_fit(const judge *j, const world *w, world *nearest);
 
 /* Puts the effect in at strength s (in its own scale; the largest is 1). shape[0]: its sign. id EFFECTS: the
  * foreign one of w. */
 void judge_put(const judge *j, world *w, int id, const double shape[VALUES], double s);
-/* The same at the strength at which what is left (raw: what is there) is target, or the largest there is. */
+/* The same at the strength at which the residual (raw: the effect itself) is target, or the largest there
+ * is. */
 visible judge_strengthen(const judge *j, world *w, int id, const double shape[VALUES], double target,
                          bool raw);
 

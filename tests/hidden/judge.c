@@ -255,7 +255,7 @@ void judge_put(const judge *j, world *w, int id, const double shape[VALUES], dou
         w->value[id][k] = effect_kinds[id].coupled ? fmax(-0.9, shape[k] * size) : shape[k];
 }
 
-/* From weak to strong, then closing in; what is left need not grow with the strength for ever. */
+/* From weak to strong, then closing in; the residual need not grow with the strength for ever. */
 visible judge_strengthen(const judge *j, world *w, int id, const double shape[VALUES], double target,
                          bool raw) {
     double s = 0.01, low = 0, high = 0, best = 0, best_left = 0, goal = 1.03 * target;

@@ -1,6 +1,6 @@
 /* world.c: the true indenter and specimen. Small steps: arms by the implicit midpoint rule, the springpot by
- * its history sum, pore pressure by finite volumes, contact and frame by solving for the surface in every
- * step. */
+ * its history sum, pore pressure by finite volumes. In every step contact and frame are solved for the
+ * surface. */
 #include "hidden.h"
 
 #include <math.h>

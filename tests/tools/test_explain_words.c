@@ -118,7 +118,7 @@ static void test_sentences_agree_with_their_numbers(void **state) {
     (void)state;
     const char *shape = "of a shape that noise has not";
     assert_true(says("unexplained", "0.1", "0.003", "0.002", NULL,
-                     shape)); /* what is left is less than the noise of 4 mN */
+                     shape)); /* the residual is less than the noise of 4 mN */
     assert_false(says("unexplained", "0.1", "0.05", "0.049", NULL, shape));
     assert_false(says("unexplained", "0.1", "0.003", "0", NULL, "structure remain"));
     assert_true(says("explained", "0.1", "0.003", "0", "0.9", "falls from 100 mN, rms, to 3 mN"));

@@ -88,7 +88,7 @@ outcome session_find_contact(session *s); /* the contact is in the status */
 outcome session_check_run(session *s, const acquire_run *run);
 outcome session_make_ready(session *s); /* all of these, for the whole plan */
 
-/* Run i of the plan, with the rest before it and its file (acquire_run.c). */
+/* Run i of the plan, with the pause before it and its file (acquire_run.c). */
 outcome session_run(session *s, size_t i);
 /* Withdraws the plate in any state; samples until then are recorded. */
 outcome session_withdraw(session *s, outcome end);

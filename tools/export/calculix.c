@@ -120,10 +120,10 @@ static palp_status write_springs(const calculix_deck *deck, FILE *to) {
     return PALP_OK;
 }
 
-/* Solids of the energy k (J - 1 - ln J) per volume, from two terms (mu, alpha, nu) of a hyperfoam, each
- * 2 mu / alpha^2 (sum of l^alpha - 3 + (J^(-alpha b) - 1) / b), b = nu / (1 - 2 nu), l the stretches. With
- * mu -+k / 2 and alpha 1 the sums cancel; b = -1 leaves k (J - 1), b near 0 leaves -k ln J. A cell has one
- * point of integration, as it has one J here. */
+/* Solids of the energy k (J - 1 - ln J) per volume, from two terms (mu, alpha, nu) of a hyperfoam. A term is
+ * 2 mu / alpha^2 (sum of l^alpha - 3 + (J^(-alpha b) - 1) / b), with the stretches l and b = nu / (1 - 2 nu).
+ * With mu -+k / 2 and alpha 1 the sums cancel; b = -1 leaves k (J - 1), b near 0 leaves -k ln J. A cell has
+ * one point of integration, as it has one J here. */
 static void write_solids(const calculix_deck *deck, FILE *to) {
     static const int in_gmsh_order[8] = {0, 1, 3, 2, 4, 5, 7, 6}, as_given[4] = {0, 1, 2, 3};
     const int *order = deck->corners == 8 ? in_gmsh_order : as_given;

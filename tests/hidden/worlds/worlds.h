@@ -143,7 +143,7 @@ typedef struct search {
     solid plain;
     nuisance beside;
     double *force, *with, *left,
-        peak; /* of the plain solid, of the other, of what is left; the largest force */
+        peak; /* of the plain solid, of the other, of the residual; the largest force */
 } search;
 bool search_make(search *h, const truth *t, const solid *plain);
 void search_free(search *h);

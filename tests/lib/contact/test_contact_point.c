@@ -77,8 +77,8 @@ START_TEST(pressure_is_the_slope_of_the_energy) {
 }
 END_TEST
 
-/* Motion of the triangle out of the tool along the normal reduces friction that slips by its share of the
- * pressure, but not friction that sticks. This is the unsymmetric part of the tangent. */
+/* Motion of the triangle out of the tool along the normal reduces sliding friction by its share of the
+ * pressure, but not sticking friction. This is the unsymmetric part of the tangent. */
 static void check_drag(const setting *s, const double *x, bool slips) {
     const double out = 1e-3;
     double along[9], moved[9], product[9] = {0.0}, symmetric[9] = {0.0};

@@ -12,8 +12,8 @@ static double uniform(double low, double high) {
 
 /* ---- what is made of points ------------------------------------------------------------------------ */
 
-/* Corners, edges and faces of a box, of one with more points on its faces and edges and within it, of a wedge
- * and of a cylinder. */
+/* Corners, edges and faces of a box, a wedge and a cylinder; also of a box with more points on and within
+ * it. */
 START_TEST(corners_edges_and_faces) {
     static const double more[][3] = {{-1, -2, -3}, {1, -2, -3},   {-1, 2, -3}, {1, 2, -3},
                                      {-1, -2, 3},  {1, -2, 3},    {-1, 2, 3},  {1, 2, 3},

@@ -121,7 +121,7 @@ END_TEST
 
 /* ---- the next experiment ---- */
 
-/* A bias and a gain are a run's own: only what is left beside them tells two models apart. */
+/* Each run has its own bias and gain: two models are separated only by what these cannot absorb. */
 START_TEST(a_zero_and_a_gain_separate_nothing) {
     static double a[EXPLAIN_PATH], b[EXPLAIN_PATH];
     static explain_path path;

@@ -86,8 +86,8 @@ static size_t releases(const palp_explanation *e) {
     return n;
 }
 
-/* With a jump, and without: the traction fades more slowly than the spring gives way. What its other shape
- * leaves is told. */
+/* With a jump, and without: the traction fades more slowly than the spring gives way. The residual of the
+ * other shape is reported. */
 START_TEST(a_pull_is_named) {
     static const struct {
         double force, reach;

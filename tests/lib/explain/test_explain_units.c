@@ -1,6 +1,6 @@
-/* test_explain_units.c: what explain answers does not depend on the units of force, length and time, on the
- * order of the runs, their names, or the clock's zero. The runs say nothing but time, depth and force, and
- * have contacts of their own. check: all */
+/* test_explain_units.c: explain's answers do not depend on the units of force, length and time. Nor do they
+ * depend on the order of the runs, their names, or the clock's zero. The runs have time, depth and force
+ * only, and contacts of their own. check: all */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -180,7 +180,7 @@ static const struct {
              {PALP_EFFECT_POWER_LAW_RELAXATION, 1.5, 0.3}};
 enum { TIMED = sizeof timed / sizeof *timed };
 
-/* In the units of the force; of the power law what is left of it after ten seconds of the first clock. */
+/* In the units of the force; of the power law its remainder after ten seconds of the first clock. */
 static double strength_of(const palp_effect *effect, const units *u) {
     if (effect->id == PALP_EFFECT_POWER_LAW_RELAXATION)
         return effect->value[0] * pow(10 * u->time, -effect->value[1]) / u->force;

@@ -145,7 +145,7 @@ static void share_done(void *user, double share) {
     *(double *)user += share;
 }
 
-/* A law beyond the family of the given one, and nothing else; the work that is told is 1 in all. */
+/* A law beyond the family of the given one, and nothing else; the reported work is 1 in all. */
 START_TEST(a_law_of_another_family_is_its_own_word) {
     static const double truth_N[] = {8, 0, 200}, given_N[] = {9, 3};
     palp_model m = lumped_model(1);

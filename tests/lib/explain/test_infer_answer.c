@@ -1,4 +1,4 @@
-/* test_infer_answer.c: what is left out, the next run and the law's family, from fits made by hand. */
+/* test_infer_answer.c: cross-validation, the next run and the law's family, from fits made by hand. */
 #include "base/dense.h"
 #include "forward_make.h"
 #include "explain/infer_answer.h"
@@ -98,8 +98,8 @@ START_TEST(what_is_left_out_depends_on_the_runs) {
 }
 END_TEST
 
-/* Nothing tells a set from itself. Another one, which lacks the arm and has pores instead, is told apart the
- * better the more time there is; nothing fits into less time than a run takes. */
+/* No experiment separates a set from itself. Another one, which has pores in place of the arm, is separated
+ * the better the more time there is. Nothing fits into less time than a run takes. */
 START_TEST(the_next_experiment_tells_two_sets_apart) {
     static const double time_s[] = {1e-3, 20, 200};
     palp_explain_settings settings = palp_explain_settings_default();

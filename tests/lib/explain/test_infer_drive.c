@@ -41,8 +41,8 @@ static palp_experiment *record(const palp_model *m, size_t r, uint64_t *state) {
     return samples_experiment(&s);
 }
 
-/* What is said of runs of a tissue of which the given model has all but what drives its arms, if that
- * differs, and the first stiffness, of which few samples tell. */
+/* The answer for runs of a tissue. The given model is the tissue's, but the drive of its arms may differ; so
+ * may the first stiffness, which few samples show. */
 static palp_explanation answer(bool quasi_linear, bool given, uint64_t state) {
     const palp_model truth = soft_tissue(quasi_linear, FIRST),
                      m = soft_tissue(given, given ? FIRST : 0.01 * FIRST);

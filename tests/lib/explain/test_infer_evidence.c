@@ -227,7 +227,7 @@ START_TEST(forces_alone_have_the_same_products) {
     double *product = malloc(n * sizeof *product), most = 0;
     ck_assert_ptr_nonnull(product);
     memcpy(product, fit.product, n * sizeof *product);
-    for (size_t r = 0, at = 0; r < data.n_runs; at += data.run[r++].n) /* what is left must be found again */
+    for (size_t r = 0, at = 0; r < data.n_runs; at += data.run[r++].n) /* residuals must be found again */
         memset(fit.raw + at * fit.m + (fit.m - 1) * data.run[r].n, 0, data.run[r].n * sizeof *fit.raw);
     ck_assert_int_eq(infer_fit_reevaluate(&fit, &data), PALP_OK);
     for (size_t i = 0; i < n; i++)

@@ -123,8 +123,8 @@ static void check_result(palp_network *network, const palp_calibration *result, 
     }
 }
 
-/* A target that a network with a known law makes: met to the interpolation's error, or with every step to
- * that of the equilibria, and the law comes back at all strains that the network saw. */
+/* A target that a network with a known law makes. It is met to the interpolation's error, or with every step
+ * to that of the equilibria. The law is recovered at all strains that the network saw. */
 static void recover(size_t nodes, const palp_material *known, const palp_material *start, bool every_step) {
     enum { N = 60 };
     double depth[N], target[N], seen = 0.0, tolerance = every_step ? 1e-9 : 6e-6;

@@ -94,8 +94,8 @@ START_TEST(the_branchs_end_is_told) {
 }
 END_TEST
 
-/* With the stable branch the same lattice goes all the way: the law is as good before the fold, and where it
- * was is told. */
+/* With the stable branch the same lattice goes all the way: the law is as good before the fold, and the
+ * fold's place is reported. */
 START_TEST(the_stable_branch_goes_on) {
     const curve c = lumped_curve(0.0097);
     palp_calibration result;

@@ -98,7 +98,7 @@ START_TEST(a_dwell_is_no_creep) {
 }
 END_TEST
 
-/* The arms of the closed form, with a plate that wavers by two noises' worth of depth or stands still. */
+/* The arms of the closed form, with a plate that wavers by twice the noise of the depth, or stands still. */
 START_TEST(creep_tells_the_arms) {
     static const double wavers[] = {0.0, 0.004}, truth[] = {SPRING, 2.5847711, 3.6146, 0.6853036, 23.964533};
     static const size_t which[] = {0, 1, 2, 4, 5};

@@ -9,8 +9,8 @@ static double relaxes(double z) {
                    : (1.0 - 0.5 / (z * z) + 0.75 / (z * z * z * z)) / (z * sqrt(3.14159265358979323846));
 }
 
-/* A step of a tenth of the height, held for 200 s, of a spring of 8 N and an element of 5 N and 2 s, exactly,
- * in any units. */
+/* The exact response to a step of a tenth of the height, held for 200 s, in any units. The solid is a spring
+ * of 8 N with an arm of 5 N and 2 s. */
 static palp_recording step(double force, double time, double noise) {
     enum { SAMPLES = 20001 };
     palp_recording r = {.name = "step",

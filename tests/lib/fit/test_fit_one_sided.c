@@ -1,5 +1,5 @@
-/* test_fit_one_sided.c: a plate that withdraws faster than a solid of one arm recovers, against the closed
- * form of its free recovery and of the time at which the plate meets it again. check: valgrind */
+/* test_fit_one_sided.c: a plate that withdraws faster than a solid of one arm recovers. Judged by the closed
+ * form of the free recovery, and of the time at which the plate meets the solid again. check: valgrind */
 #include "recordings.h"
 #include "fit/fit_internal.h"
 

@@ -73,7 +73,7 @@ START_TEST(gradient_against_differences) {
 }
 END_TEST
 
-/* The error is told from differences, so it is met nearly; no difference tells of a spline's next knot. */
+/* The error is estimated from differences, so it is met nearly. No difference shows a spline's next knot. */
 START_TEST(traced_curve_within_tolerance) {
     enum { N = 300 };
     double depth[N], force[N];

@@ -98,9 +98,8 @@ START_TEST(steps_that_go_too_far) {
 }
 END_TEST
 
-/* The known answer is met through columns of which the fifth power is all but a combination of the rest:
- * monomials on [1, 2]. b = a p + w, w across all columns, so the
- * norm at the answer is |w|. */
+/* The known answer is met with columns of which the fifth power nearly depends on the others: monomials on
+ * [1, 2]. b = a p + w, w across all columns, so the norm at the answer is |w|. */
 START_TEST(ill_conditioned_linear) {
     counted c = {0};
     least_squares problem = problem_of(6, 12, linear, &c);
