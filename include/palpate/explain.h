@@ -1,6 +1,6 @@
-/* explain.h: find what a model misses in measured runs, name it from the catalogue of effects, and add it.
- * All of it by one likelihood (doc/likelihood.md), in which the model's own misfit has a part. doc/explain.md
- * says how, and what it can and cannot tell. May change. */
+/* explain.h: find the effects that a model misses in measured runs, from the catalogue of effects, and add
+ * them. One likelihood decides (doc/likelihood.md), which includes the model's misfit. doc/explain.md has the
+ * procedure and its limits. May change. */
 #ifndef PALPATE_EXPLAIN_H
 #define PALPATE_EXPLAIN_H
 
@@ -21,17 +21,17 @@ enum {
     PALP_EXPLAIN_NEXT_RUNS = 4
 };
 
-/* Runs task(work, i) for all i < n, in any order and at once if it likes; returns after the last. */
+/* Runs task(work, i) for all i < n, in any order, also at once; returns after the last. */
 typedef void palp_explain_loop(void *user, size_t n, void (*task)(void *work, size_t i), void *work);
 
-/* What the next experiment may do; 0: what the runs did. */
+/* Limits of the next experiment; 0: those of the recorded runs. */
 typedef struct palp_explain_limits {
     double depth_m, rate_m_s; /* deepest place and fastest motion of the plate */
     double time_s;            /* of the whole experiment; 0: as long as the session so far */
     double rest_s;            /* before each of its runs; 0: the mean pause between the runs */
 } palp_explain_limits;
 
-/* What a run comes with; the experiment is only read. */
+/* A run; the experiment is only read. */
 typedef struct palp_explain_input {
     const palp_experiment *experiment;
     const char *name; /* the file's, for messages */
@@ -39,50 +39,53 @@ typedef struct palp_explain_input {
 
 typedef struct palp_explain_settings {
     size_t max_effects;        /* 4; at most PALP_EXPLAIN_EFFECTS */
-    double false_alarm;        /* 0.05: chance that any effect at all is named where nothing is missing */
-    double good_enough;        /* 0: the practical limit, of the largest force; what is less is not named */
+    double false_alarm;        /* 0.05: chance that any effect is named where nothing is missing */
+    double good_enough;        /* 0: the practical limit, of the largest force; smaller effects are not
+                                  named */
     palp_contact_form contact; /* FREE; KNOWN: every recorded contact is exact; COMMON: all are off by the
                                   same, if at all */
     unsigned char candidate[PALP_EFFECT_COUNT]; /* 1 = a candidate; all of them */
     palp_explain_limits next;                   /* of the next experiment; all 0 */
     size_t n_held_out;                          /* runs kept out of the fit; 0 = each in turn */
     const size_t *held_out;                     /* [n_held_out] indices, caller's */
-    const palp_explain_input *simulated; /* NULL, or of each run what another program computed along its path,
-                                            for palp_explain; experiment NULL: nothing of this one */
+    const palp_explain_input *simulated; /* NULL, or for each run the forces that another program computed
+                                            along its path, for palp_explain; experiment NULL: none for this
+                                            run */
     palp_explain_loop *loop;             /* NULL = one after the other; the result is the same */
     void *loop_user;
-    void (*progress)(void *user, double share); /* NULL, or: that share of the work more is done; 1 in all.
-                                                   The loop's threads call it too, several at once */
+    void (*progress)(void *user, double share); /* NULL, or called when a further share of the work is done; 1
+                                                   in all. The loop's threads call it too, several at once */
     void *progress_user;
     bool (*stop)(void *user); /* NULL, or asked before each candidate, by the loop's threads too: true ends
-                                 the search, and what it has found so far is the result */
+                                 the search, and the result so far is returned */
     void *stop_user;
 } palp_explain_settings;
 
 PALP_API palp_explain_settings palp_explain_settings_default(void);
 
-/* What a run presses: its file's specimen.kind says it ("none" is air, "rigid" a block), or its force beside
- * the others' shows it. */
+/* What a run presses: by its file's specimen.kind ("none" is air, "rigid" a block), or else by its force
+ * relative to the others'. */
 typedef enum palp_explain_object {
     PALP_EXPLAIN_SPECIMEN,
     PALP_EXPLAIN_AIR,  /* it presses nothing, however deep it goes */
-    PALP_EXPLAIN_BLOCK /* it shows how far the frame gives way, and is in no fit */
+    PALP_EXPLAIN_BLOCK /* it gives the frame's compliance, and is not fitted */
 } palp_explain_object;
 
 typedef struct palp_explain_pressed {
     palp_explain_object object;
-    bool declared; /* by the file. In air and not declared is an assumption: a sensor that noise alone leaves
-                      looks the same */
+    bool declared; /* by the file. Air that is not declared is an assumption: a dead sensor with noise looks
+                      the same */
 } palp_explain_pressed;
 
 PALP_API const char *palp_explain_object_name(palp_explain_object object); /* "specimen", "air", "block" */
 
 typedef enum palp_explain_verdict {
     PALP_EXPLAIN_AGREES,      /* nothing is missing that these runs could show */
-    PALP_EXPLAIN_EXPLAINED,   /* with the effects, what remains is at the noise level */
-    PALP_EXPLAIN_AMBIGUOUS,   /* likewise, but another effect would do as well */
-    PALP_EXPLAIN_UNEXPLAINED, /* something remains that no effect of the catalogue accounts for */
-    PALP_EXPLAIN_SUSPECTED,   /* effects gain more than chance, but not by enough, or nothing confirms them */
+    PALP_EXPLAIN_EXPLAINED,   /* with the effects the residual is at the noise level */
+    PALP_EXPLAIN_AMBIGUOUS,   /* likewise, but another effect fits as well */
+    PALP_EXPLAIN_UNEXPLAINED, /* a residual remains that no effect of the catalogue describes */
+    PALP_EXPLAIN_SUSPECTED,   /* effects are more probable than not, but below the threshold, or not
+                                 confirmed */
     PALP_EXPLAIN_ANOTHER_LAW  /* no effect is missing, but the law or the drive of the arms is another one */
 } palp_explain_verdict;
 
@@ -92,7 +95,7 @@ PALP_API const char *palp_explain_verdict_name(palp_explain_verdict verdict); /*
 typedef struct palp_explain_effect {
     palp_effect effect;
     double low[PALP_EFFECT_PARAMETERS], high[PALP_EFFECT_PARAMETERS];
-    size_t n_class; /* effects that would do as well, itself first */
+    size_t n_class; /* effects that fit as well, itself first */
     palp_effect_id alike[PALP_EFFECT_COUNT];
     double evidence;    /* gain in held-out log score, nats */
     double evidence_se; /* its paired standard error over the experiments */
@@ -101,29 +104,31 @@ typedef struct palp_explain_effect {
 } palp_explain_effect;
 
 /* N, rms over the samples: before, by the model as given with one contact and one gain for all runs; after,
- * with the effects and what the runs have of their own. */
+ * with the effects and the parameters of each run. */
 typedef struct palp_explain_gap {
     double noise_level_N, before_N, after_N, heldout_before_N, heldout_after_N, closed;
 } palp_explain_gap;
 
 /* What differs from run to run: each run's own zero, contact or gain. */
 typedef struct palp_explain_scatter {
-    double sd;        /* N, of the zeros about their mean; m or a share, as the fit has learned it */
-    double without_N; /* rms that is left if no run has one of its own; with it gap.after_N is */
+    double sd;        /* of the zeros about their mean, N; of the contacts, m; of the gains, a share; as
+                         fitted */
+    double without_N; /* rms residual if all runs have the same; gap.after_N is that with the scatter */
     double evidence;  /* in log likelihood, nats */
-    bool found;       /* it is more than what the noise hides */
+    bool found;       /* it is distinguishable from noise */
 } palp_explain_scatter;
 
 /* Whether another family of stiffness laws is needed, or quasi-linear arms (driven by the elastic force) in
  * place of linear ones, or the reverse. model then has it, base the given one. */
 typedef struct palp_explain_law {
     bool found;
-    double without_N; /* rms that is left with the given law beside the same effects; with the other
-                         gap.after_N is */
-    double evidence;  /* in log likelihood, less what its coefficients cost, nats */
+    double without_N; /* rms residual with the given law and the same effects; gap.after_N is that with the
+                         other law */
+    double evidence;  /* in log likelihood, less the cost of its coefficients, nats */
 } palp_explain_law;
 
-/* What no term of the model follows, by what it depends on: rms over the samples, N. */
+/* The part of the force that no term of the model describes, by the variable that it depends on: rms over the
+ * samples, N. */
 typedef struct palp_explain_discrepancy {
     bool found;                    /* it is distinguishable from zero, and beyond the practical limit */
     double evidence;               /* nats */
@@ -132,32 +137,32 @@ typedef struct palp_explain_discrepancy {
     double correlated_N;           /* on the time in the run: correlated noise */
 } palp_explain_discrepancy;
 
-/* What the written model has beyond the catalogue: the last n terms of model.free_term. */
+/* Terms of the written model beyond the catalogue: the last n terms of model.free_term. */
 typedef struct palp_explain_free {
     size_t n;
-    double evidence[PALP_FREE_TERMS]; /* nats, that all runs share it */
+    double evidence[PALP_FREE_TERMS]; /* that all runs share it, nats */
     double rms_N[PALP_FREE_TERMS];
     palp_effect_id resembles; /* the effect that the first one is nearest to; PALP_EFFECT_COUNT: none */
     double heldout_before_N, heldout_after_N; /* rms of runs left out, without and with the terms; 0: none */
     double noise_level_N;                     /* beside the terms */
     double closed;                            /* share of heldout_before_N above that noise */
-    double after_N;                           /* what the model with them leaves, as gap.after_N */
+    double after_N;                           /* residual of the model with them, as gap.after_N */
     double scale_N;                           /* r.m.s. of the forces */
-    /* What the runs alone say of the table of each, all else integrated out: precision, and precision times
-     * the best table. */
+    /* The likelihood of the table of each, all else integrated out: precision, and precision times the best
+     * table. */
     double information[PALP_FREE_TERMS][PALP_FREE_NODES * PALP_FREE_NODES],
         pull[PALP_FREE_TERMS][PALP_FREE_NODES];
 } palp_explain_free;
 
-/* How the specimens of the runs differ, which their files name; model has it as the spread between specimens
- * then. */
+/* How the specimens differ that the files name. If found, the model has it as the spread between
+ * specimens. */
 typedef struct palp_explain_specimens {
     size_t n; /* that the files name; 0 or 1: nothing can be said */
     bool found;
     double sd;        /* of their stiffness, as a share */
     double low, high; /* its interval of 95 %, from the likelihood; 0 = not known */
-    bool law; /* of the law beside the arms; else the whole force of a specimen is so many times another's */
-    double without_N; /* rms that is left if they are alike; with it gap.after_N is */
+    bool law;         /* of the law alone; else one factor scales the whole force of a specimen */
+    double without_N; /* rms residual if they are alike; gap.after_N is that with the spread */
     double evidence;  /* in log likelihood, nats */
     double *between;  /* what the model's points to */
 } palp_explain_specimens;
@@ -166,7 +171,7 @@ typedef struct palp_explain_phase_share {
     size_t run;
     palp_phase phase;
     double share;     /* of the squared gap, before */
-    double remaining; /* likewise of what remains there with the effects, over that same gap */
+    double remaining; /* likewise of the residual there with the effects, relative to the same gap */
     /* of the residual there, for white noise 0 and within +-2: correlation from sample to sample; too few (-)
      * or too many runs of one sign, in standard deviations */
     double lag1, runs_z;
@@ -178,8 +183,9 @@ typedef struct palp_explain_peak {
     double prominence;      /* its power over the median of all frequencies */
 } palp_explain_peak;
 
-/* Diagnostics of the residual with the effects: its strongest lines, and what free smooth curves would take
- * off it, rms: the most that an unknown effect of depth, of time within a run or of speed could explain. */
+/* Diagnostics of the residual with the effects: its strongest lines, and the rms that free smooth curves
+ * would remove. That is the most that an unknown effect of depth, of time within a run or of speed could
+ * explain. */
 typedef struct palp_explain_diagnostics {
     palp_explain_peak in_time, in_depth;
     double by_depth_N, by_time_N, by_rate_N;
@@ -188,17 +194,17 @@ typedef struct palp_explain_diagnostics {
 typedef struct palp_explain_event {
     size_t run, samples;
     double from_s, to_s, size_N;
-    const char *kind; /* "spike", "release", "slip" (the force left over steps and stays) */
+    const char *kind; /* "spike", "release", "slip" (the residual steps and stays) */
 } palp_explain_event;
 
-/* What was tried and how it fared. */
+/* A candidate and its result. */
 typedef struct palp_explain_candidate {
     palp_effect_id id;
-    bool identifiable; /* these runs can show it: share is a half at least, and nothing that it needs is
-                          missing */
-    double share; /* of the prior variance of its strength, what the runs take away beside what was found */
+    bool identifiable; /* share is a half at least, and the runs have all that it needs */
+    double share; /* reduction of the prior variance of its strength by the runs, conditional on the effects
+                     found */
     bool accepted;
-    bool unconfirmed;                 /* it gains more than chance, but in one run only */
+    bool unconfirmed;                 /* it exceeds the threshold, but in one run only */
     double score;                     /* log odds of its fit over the one without it, nats */
     double explained_N;               /* rms that it alone would explain */
     char reason[PALP_EXPLAIN_REASON]; /* why it was rejected */

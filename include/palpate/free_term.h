@@ -1,5 +1,5 @@
-/* free_term.h: a part of a model that has no name: a force that depends on the path of the plate, as a table
- * with its uncertainty. palpate explain finds it where no effect of the catalogue fits. Stable. */
+/* free_term.h: a part of a model outside the catalogue of effects: a force that depends on the plate's path,
+ * as a table with its uncertainty. palpate explain finds it. Stable. */
 #ifndef PALPATE_FREE_TERM_H
 #define PALPATE_FREE_TERM_H
 
@@ -17,7 +17,8 @@ enum { PALP_FREE_NODES = 12, PALP_FREE_TERMS = 4 };
 typedef enum palp_free_kind {
     PALP_FREE_LOADING,       /* strain, depth over height, on the way in */
     PALP_FREE_UNLOADING,     /* the same on the way out */
-    PALP_FREE_DWELL,         /* log of the time for which the plate stands, s; in proportion to the depth */
+    PALP_FREE_DWELL,         /* log of the time for which the plate has been at rest, s; in proportion to the
+                                depth */
     PALP_FREE_RUN,           /* time since the first sample, s */
     PALP_FREE_EARLY,         /* its logarithm */
     PALP_FREE_AGEING,        /* time since the first sample, s; in proportion to the depth */
@@ -30,12 +31,12 @@ typedef enum palp_free_kind {
     PALP_FREE_KINDS
 } palp_free_kind;
 
-/* What it does. */
+/* How it acts. */
 typedef enum palp_free_class {
-    PALP_FREE_ELASTIC,     /* the same on both ways */
-    PALP_FREE_DISSIPATIVE, /* of the way, the speed or the time in a dwell */
-    PALP_FREE_CLOCK,       /* of the time in the run, in air too */
-    PALP_FREE_AGE,         /* of the time in the run while something is pressed */
+    PALP_FREE_ELASTIC,     /* the same on the way in and out */
+    PALP_FREE_DISSIPATIVE, /* it depends on the direction, the speed or the time in a dwell */
+    PALP_FREE_CLOCK,       /* on the time in the run, in air too */
+    PALP_FREE_AGE,         /* on the time in the run, while something is pressed */
     PALP_FREE_OF_SESSION,
     PALP_FREE_OF_PLACE,
     PALP_FREE_CLASSES

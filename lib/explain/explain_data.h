@@ -1,4 +1,4 @@
-/* explain_data.h: the runs that are explained, and what a model gives for them. Internal. */
+/* explain_data.h: the runs that are explained, and the forces of a model along them. Internal. */
 #ifndef EXPLAIN_DATA_H
 #define EXPLAIN_DATA_H
 
@@ -22,23 +22,23 @@ typedef struct explain_run {
     unsigned char *phase;         /* [n] palp_phase */
     double session, white;        /* when it began; sd of a sample's white noise */
     double height, area;          /* of its specimen, m; over the model's, 1 where a file does not say */
-    bool fresh;                   /* on a specimen that no run before it pressed */
+    bool fresh;                   /* its specimen was not pressed before */
     size_t specimen;              /* which of the data's it presses, as the files name them */
     double largest_strain;        /* largest strain of the earlier runs on its specimen, by depth */
     bool held_out;                /* kept out of the fit */
-    size_t input;                 /* it begins with this one of the caller's */
+    size_t input;                 /* its first input of the caller's */
     double *added; /* [n] simulated force less the model's along the simulated path; NULL: none */
 } explain_run;
 
-/* What runs on a rigid block show of the frame, m/N; an interval of 95 %. */
+/* The frame's compliance from runs on a rigid block, m/N; an interval of 95 %. */
 typedef struct explain_frame {
     size_t n_runs; /* 0 = there are none */
     double compliance, low, high;
     double evidence; /* that it gives way at all, nats */
 } explain_frame;
 
-/* The inputs, those that go on under load where another ends as one; made: their experiments, or NULL.
- * (explain_join.c) */
+/* The inputs. One that continues another under load is joined to it. made: experiments of joined inputs, or
+ * NULL. (explain_join.c) */
 typedef struct explain_joined {
     size_t n, n_inputs;
     palp_explain_input *input; /* [n] */
@@ -63,19 +63,20 @@ typedef struct explain_data {
     effect_shown shown;         /* how the plate moves in them */
     bool one_speed;             /* all runs press at one speed, without a pause or a way back */
     size_t n_specimens;         /* that the files of the runs that are fitted name; at least 1 */
-    size_t n_replicates;        /* runs whose plate goes as in one before */
-    double pull, pull_most;     /* the strongest recorded before a plate let go; what would be too strong */
-    double
-        pulled; /* strongest pull of a withdrawal, and what noise hides at least; 0 = no plate goes so far */
+    size_t n_replicates;        /* runs with the path of an earlier one */
+    double pull, pull_most;     /* the strongest recorded before a plate let go; the smallest that is too
+                                   strong */
+    double pulled; /* strongest pull of a withdrawal, at least the size that noise hides; 0 = no plate
+                      withdraws so far */
     size_t n_releases;
     explain_frame frame;
-    bool simulated;          /* the forces are another program's: law and arms are held */
-    double simulated_off;    /* rms of what the model misses of them, N */
+    bool simulated;          /* the forces are another program's: law and arms are fixed */
+    double simulated_off;    /* rms error of the model's forces, N */
     bool contacts_alike;     /* no run has a contact of its own */
     bool contacts_average_0; /* exactly, over the runs that are fitted */
-    bool law_alone;          /* what law and arms do not follow is noise: no discrepancy, no gains */
+    bool law_alone;          /* a misfit of law and arms counts as noise: no discrepancy, no gains */
     bool times_fixed;        /* arms keep their relaxation times */
-    size_t n_contact_told;   /* runs that say how exact their contact is, */
+    size_t n_contact_told;   /* runs with a standard deviation of their contact, */
     double contact_told;     /* and the root of the mean of its squares, m */
     size_t n_events;
     palp_explain_event *event;
@@ -88,11 +89,10 @@ void explain_data_free(explain_data *data);
 double explain_fitted_rms(const explain_data *data,
                           const double *x);       /* [n], of the samples that are fitted */
 size_t explain_samples(const explain_data *data); /* of the runs that are not held out */
-bool explain_may_recover(
-    const explain_data *data,
-    palp_effect_id id); /* of what it does a specimen may keep something from run to run */
+bool explain_may_recover(const explain_data *data,
+                         palp_effect_id id);          /* a specimen may keep its effect from run to run */
 size_t explain_fitted_runs(const explain_data *data); /* how many are not */
-effect_data explain_facts(const explain_data *data);  /* without what a fit leaves of them */
+effect_data explain_facts(const explain_data *data);  /* without the residual of a fit */
 palp_status explain_event_add(explain_data *data, const palp_explain_event *event);
 
 /* task(work, i) for all i < n by the caller's loop, or one after the other; each sets status[i], the first
@@ -111,8 +111,8 @@ typedef struct explain_history {
     double slope[EXPLAIN_COLUMNS];
 } explain_history;
 
-/* For the runs one after the other, in their order, all with one model. contact: by how much deeper its
- * surface lies, m. */
+/* Call it for the runs in their order, all with one model. contact: depth of the surface below the recorded
+ * contact, m. */
 palp_forward_run explain_forward_run(const explain_run *run, double contact, explain_history *history);
 
 /* ---- how the plate moves (explain_shown.c) ---- */
@@ -121,8 +121,8 @@ void explain_shown_find(explain_data *data);
 
 /* ---- runs without a specimen (explain_block.c) ---- */
 
-/* What each input presses, as its file says (specimen.kind), or else as its force shows beside the others'. A
- * run without force counts as a press of the specimen if its file names one, or if it lacks the noise of the
+/* What each input presses: by its file (specimen.kind), or else by its force relative to the others'. A run
+ * without force counts as a press of the specimen if its file names one, or if it lacks the noise of the
  * other runs. palp_recording_check then refuses it. */
 palp_status explain_find_pressed(size_t n, const palp_explain_input *inputs, palp_explain_pressed *pressed,
                                  palp_error *error);
@@ -131,8 +131,8 @@ palp_status explain_block_measure(size_t n, const palp_explain_input *inputs,
                                   const palp_explain_pressed *pressed, explain_frame *frame,
                                   palp_error *error);
 
-/* Adds the frame's compliance that blocks show to a model that has none, if the specimen's runs can feel it:
- * true. It is then no parameter of the fits. The effect as the result reports it: */
+/* Adds the frame's compliance from the blocks to a model that has none. True if it matters for the specimen's
+ * runs. It is then no parameter of the fits. The effect as the result reports it: */
 bool explain_frame_add(const explain_data *data, const palp_explain_settings *settings, palp_model *model);
 palp_explain_effect explain_frame_effect(const explain_data *data);
 
@@ -144,7 +144,7 @@ bool explain_same_specimen(const palp_experiment *a, const palp_experiment *b);
 /* Order of the inputs: by specimen, then by the time at which they began; fresh[n] in that order. */
 void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *order, bool *fresh);
 
-/* Text or number of a file's key, or what is to stand for it. */
+/* Text or number of a file's key, or a default. */
 const char *explain_text_of(const palp_experiment *e, const char *key);
 double explain_number_of(const palp_experiment *e, const char *key, double otherwise);
 
@@ -154,8 +154,8 @@ double explain_number_of(const palp_experiment *e, const char *key, double other
 palp_status explain_stand_in(size_t n, const palp_explain_input *inputs,
                              const palp_explain_settings *settings, palp_model *model, palp_error *error);
 
-/* What the data's model misses of the simulated forces, into each run. nats: by how much a path that differs
- * may move the log evidence. */
+/* The error of the data's model for the simulated forces, into each run. nats: the largest change of the log
+ * evidence that a difference of paths may cause. */
 palp_status explain_take_simulated(explain_data *data, const palp_explain_input *simulated, double nats,
                                    palp_error *error);
 

@@ -1,4 +1,5 @@
-/* explain_next.c: the runs that an indenter can do within limits, and how far two models are apart in one. */
+/* explain_next.c: the runs that an indenter can do within limits, and the difference of two models in a
+ * run. */
 #include "explain_result.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@ enum {
 static const double AIR = 0.3; /* of the largest depth: where a run starts and ends */
 static const size_t cycles[] = {1, 4, 16};
 
-/* The pauses between runs are what the session has beside them. */
+/* The pauses are the time of the session outside its runs. */
 palp_explain_limits explain_limits_find(const palp_explain_limits *given, const explain_data *data) {
     palp_explain_limits l = *given;
     double pressed = 0.0, shortest = data->duration;
@@ -35,7 +36,7 @@ static bool add(const palp_explain_limits *l, explain_protocol p, explain_protoc
     return fits;
 }
 
-/* Ramps at one speed to one depth, with dwells that make the run last as long as is allowed, and shorter. */
+/* Ramps at one speed to one depth, with dwells: the longest fills the time limit. */
 static void add_holds(const palp_explain_limits *l, double depth, double rate, explain_protocol *list,
                       size_t *n) {
     const double way = depth * (1.0 + AIR), ramps = way / rate + way / l->rate_m_s;
@@ -71,7 +72,7 @@ size_t explain_protocols_list(const palp_explain_limits *l, explain_protocol *li
     return n;
 }
 
-/* Straight to a depth, by at most so many samples, or 2. growth: of their distances from one to the next. */
+/* A straight path to a depth, with at most so many samples, or 2. growth: ratio of successive intervals. */
 static void go(const explain_data *data, double depth, double seconds, size_t most, double growth,
                explain_path *p) {
     const double t = p->time[p->n - 1], d = p->depth[p->n - 1];

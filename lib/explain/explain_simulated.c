@@ -1,5 +1,5 @@
-/* explain_simulated.c: forces that another program computed along the runs' paths, and a lumped model that
- * follows them, which says what they do not: how they change with the effects and with the path. */
+/* explain_simulated.c: forces that another program computed along the runs' paths, and a lumped model fitted
+ * to them. The model gives their change with the effects and with the path. */
 #include "explain_data.h"
 #include "base/file.h"
 
@@ -8,7 +8,7 @@
 
 /* ---- the lumped model ---- */
 
-/* The first length that a file says, m. */
+/* The length in the first file that has it, m. */
 static double first_length(size_t n, const palp_explain_input *inputs, const char *key, double otherwise) {
     for (size_t i = 0; i < n; i++)
         if (explain_number_of(inputs[i].experiment, key, 0.0) > 0.0)
@@ -28,9 +28,9 @@ static double deepest_of(size_t n, const palp_explain_input *inputs) {
 
 palp_status explain_stand_in(size_t n, const palp_explain_input *inputs,
                              const palp_explain_settings *settings, palp_model *model, palp_error *error) {
-    enum { ARMS = 4 }; /* what they miss is added to each run */
+    enum { ARMS = 4 }; /* their residual is added to each run */
     static const double TALL =
-        4.0; /* of the largest depth, where no file tells a height: strains of a quarter */
+        4.0; /* of the largest depth, where no file has a height: strains up to a quarter */
     palp_explain_settings own = *settings;
     own.contact = PALP_CONTACT_KNOWN;
     own.progress = NULL;
@@ -95,9 +95,9 @@ static palp_status find_missed(const explain_data *data, const explain_run *run,
     return status;
 }
 
-static const double PART = 0.01; /* of the range: over so much a slope is taken */
+static const double PART = 0.01; /* of the range, over which a slope is taken */
 
-/* By how much what is missed changes with the depth, rms over parts of the range, N/m. */
+/* The rms slope of the missed force by the depth, over parts of the range, N/m. */
 static double slope_of_missed(const explain_data *data, const forces *f) {
     const double step = PART * data->deepest;
     double square = 0.0, way = 0.0;
@@ -112,8 +112,8 @@ static double slope_of_missed(const explain_data *data, const forces *f) {
     return way > 0.0 ? sqrt(square / way) : 0.0;
 }
 
-/* What is missed at the run's times, into run->added. A path that differs moves it by no more than
- * nats of log evidence: half its square over the noise's. */
+/* The missed force at the run's times, into run->added. Paths may differ as long as the error changes the log
+ * evidence by at most nats: half of its square over the noise's. */
 static palp_status add_missed(const explain_data *data, explain_run *run, const forces *f, const char *name,
                               double nats, palp_error *error) {
     const double slope = slope_of_missed(data, f), last = run->time[run->n - 1],

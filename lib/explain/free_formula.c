@@ -1,6 +1,6 @@
-/* free_formula.c: a free term as a sum of few forms with a shape each, by their evidence. The runs say of the
- * table of a term what a normal density says, so the forces of a formula are integrated out exactly, and its
- * shapes on a grid. */
+/* free_formula.c: a free term as a sum of few forms with a shape each, by their evidence. The likelihood of a
+ * term's table is a normal density. So the forces of a formula are integrated out exactly, and its shapes on
+ * a grid. */
 #include <palpate/explain.h>
 
 #include "base/dense.h"
@@ -16,7 +16,7 @@ static const struct {
     double low, high;
     bool logarithm;
 } forms[PALP_FORMS] = {
-    {"power", 0.1, 5.0, true}, /* from a step to nearly nothing but the end */
+    {"power", 0.1, 5.0, true}, /* from a step to a rise at the very end */
     {"exponential", 0.01, 3.0, true},
     {"hinge", 0.0, 0.95, false},
     {"saturation", 0.01, 3.0, true},
@@ -45,7 +45,7 @@ static double value_of(palp_formula_form form, double shape, double x) {
     }
 }
 
-/* What the runs say of the forces of some columns. */
+/* The likelihood of a term's table, as palp_explain_free has it. */
 typedef struct problem {
     const double *information, *pull;
     double x[N], scale_N;
@@ -107,11 +107,11 @@ static double quantile(palp_formula_form form, const double weight[GRID], double
     return forms[form].high;
 }
 
-/* Shape and force of part j where the others' shapes are known: the mean over the grid, and intervals. */
+/* Shape and force of part j, conditional on the others' shapes: the mean over the grid, and intervals. */
 static void refine(const problem *p, palp_formula *f, size_t j) {
     double column[MOST][N], weight[GRID], mean[MOST], covariance[MOST * MOST], first = 0.0, square = 0.0;
     size_t at = 0, best;
-    for (size_t i = 0; i < f->n; i++) /* the one that is looked at is the last */
+    for (size_t i = 0; i < f->n; i++) /* part j is the last */
         if (i != j)
             find_column(p, f->part[i].form, f->part[i].shape, column[at++]);
     const palp_formula_form form = f->part[j].form;
@@ -133,7 +133,7 @@ static void refine(const problem *p, palp_formula *f, size_t j) {
     f->part[j].force_high_N = fmax(mean[f->n - 1], first + 1.96 * sd);
 }
 
-/* One part more, if it gains more than the threshold. */
+/* Adds a part if it gains more than the threshold. */
 static bool add_part(const problem *p, double threshold, palp_formula *f) {
     double column[MOST][N], weight[GRID], best = -HUGE_VAL, second = -HUGE_VAL, shape = 0.0;
     size_t at;
@@ -173,7 +173,7 @@ palp_status palp_formula_find(const palp_free_term *term, const double *informat
     for (size_t a = 0; a < N; a++)
         p.x[a] /= formula->scale;
     while (formula->n < MOST && add_part(&p, log(1.0 / false_alarm - 1.0), formula))
-        for (size_t i = 0; i < ROUNDS * formula->n; i++) /* each beside the others */
+        for (size_t i = 0; i < ROUNDS * formula->n; i++) /* each conditional on the others */
             refine(&p, formula, i % formula->n);
     return PALP_OK;
 }

@@ -1,5 +1,5 @@
-/* infer_free.c: free terms: what all runs share of what no effect follows, as a function of one thing that
- * the path has. Kinds of functions are compared by the evidence of a fit without other discrepancies. */
+/* infer_free.c: free terms: the part of the discrepancy that all runs share, as a function of one variable of
+ * the path. The kinds of functions are compared by the evidence of a fit without other discrepancies. */
 #include "infer_answer.h"
 #include "base/dense.h"
 
@@ -9,7 +9,7 @@
 
 enum { FINALISTS = 3 };
 
-/* Columns of all terms; the others are as they are. */
+/* Columns of all terms; the other columns stay. */
 static palp_status take_hats(infer_fit *fit, const explain_data *data) {
     palp_status status = PALP_OK;
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n)
@@ -80,8 +80,8 @@ static void try_kind(void *user, size_t i) {
     t->status[i] = PALP_OK;
 }
 
-/* By how much the fit is more probable than one whose runs do not share term d. The term pays for the sizes
- * that it has, and for being one of many. */
+/* Log odds of the fit over one whose runs do not share term d, less the prior cost of the term's sizes and of
+ * its kind, which is one of many. */
 static palp_status weigh(const infer_fit *fit, const infer_search *s, size_t d, double *nats) {
     enum { ROUNDS = 12, EVALUATIONS = 15 };
     infer_fit without;
@@ -128,7 +128,7 @@ static void free_trials(terms *t) {
             infer_fit_free(&t->trial[i].fit);
 }
 
-/* The term that is the most certain one beside the fit at hand; found: it is above the threshold. */
+/* Adds the most certain further term to the fit at hand. found: its evidence exceeds the threshold. */
 static palp_status add_term(terms *t, bool *found) {
     enum { EVALUATIONS = 5 };
     const infer_search *s = t->s;
@@ -161,7 +161,8 @@ static palp_status drop_term(infer_fit *fit, const explain_data *data, size_t d)
     return status ? status : infer_fit_converge(fit, data);
 }
 
-/* Terms that are not certain beside the others go, from the last to the first. evidence: of the others. */
+/* Removes terms that are not certain conditional on the others, from the last to the first. evidence: of
+ * those that stay. */
 static palp_status drop_uncertain(infer_fit *fit, const infer_search *s, double *evidence) {
     palp_status status = PALP_OK;
     for (size_t d = fit->n_terms; d-- > 0 && !status;) {
@@ -178,7 +179,8 @@ static palp_status drop_uncertain(infer_fit *fit, const infer_search *s, double 
 
 /* ---- runs left out ---- */
 
-/* Squares of what the terms that the other runs share leave of run r, whose own are the rest's. */
+/* Sum of squared residuals of run r with the shared terms of the other runs. Its own parameters have their
+ * means given those of the others. */
 static palp_status add_left(const infer_fit *fit, explain_data *data, size_t r, size_t at, double *squares) {
     explain_run *run = &data->run[r];
     const bool was = run->held_out;
@@ -208,10 +210,10 @@ static palp_status add_left(const infer_fit *fit, explain_data *data, size_t r, 
     return status;
 }
 
-/* Whether the terms help to predict what is left out, and what they close of it. */
+/* Whether the terms improve the prediction of runs left out, and which share of the gap they close. */
 static palp_status confirm(const infer_fit *fit, const infer_fit *without, const infer_search *s,
                            palp_explain_free *out, bool *better) {
-    explain_data data = s->data; /* whose runs say for a moment that they are held out */
+    explain_data data = s->data; /* its runs are marked as held out in turn */
     infer_left_out with = {.n = 0}, plain = {.n = 0};
     double squares = 0.0, count = 0.0, se;
     palp_status status = infer_leave_out(fit, &data, &with);
@@ -242,7 +244,7 @@ static palp_status confirm(const infer_fit *fit, const infer_fit *without, const
 
 /* ---- as a model ---- */
 
-/* What a term does. On both ways alike it is elastic. */
+/* The class of a term. One that is alike on both ways is elastic. */
 static palp_free_class class_of(const infer_fit *fit, size_t d) {
     static const palp_free_class classes[PALP_FREE_KINDS] = {
         PALP_FREE_DISSIPATIVE, PALP_FREE_DISSIPATIVE, PALP_FREE_DISSIPATIVE, PALP_FREE_CLOCK,
@@ -260,8 +262,7 @@ static palp_free_class class_of(const infer_fit *fit, size_t d) {
     return even > odd ? PALP_FREE_ELASTIC : classes[kind];
 }
 
-/* What the runs alone say of term d's table, from its posterior covariance: its precision less the prior's.
- */
+/* The information of the runs on the table of term d: the posterior precision less the prior's. */
 static palp_status take_information(const infer_fit *fit, const infer_posterior *p, size_t d,
                                     palp_explain_free *out) {
     enum { N = INFER_NODES };
@@ -286,8 +287,8 @@ static palp_status take_information(const infer_fit *fit, const infer_posterior 
     return PALP_OK;
 }
 
-/* Tables and bands of the posterior into fit->term, and what of a common term the law follows into the
- * law. */
+/* Tables and bands of the posterior into fit->term. The law takes the part of a common term that it can
+ * follow. */
 static palp_status take_tables(infer_fit *fit, const explain_data *data, palp_explain_free *out) {
     enum { N = INFER_NODES };
     infer_posterior p;
@@ -335,7 +336,7 @@ static palp_status find_rms(const infer_fit *fit, const explain_data *data, doub
     return status;
 }
 
-/* The model with the terms as they are, its other parameters and the runs' own refitted beside them. */
+/* The model with the terms fixed; its other parameters and those of each run are refitted. */
 static palp_status write_model(infer_fit *fit, const infer_search *s, palp_explanation *e) {
     enum { ROUNDS = 3 };
     const explain_data *data = &s->data;
@@ -345,7 +346,7 @@ static palp_status write_model(infer_fit *fit, const infer_search *s, palp_expla
     memcpy(fit->c.model.free_term + fit->c.model.n_free, fit->term, fit->n_terms * sizeof *fit->term);
     fit->c.model.n_free += fit->n_terms;
     memset(fit->sizes.common, 0, sizeof fit->sizes.common);
-    fit->plain = true; /* none of them is learned anew */
+    fit->plain = true; /* none of them is estimated again */
     double *residual = malloc(2 * data->n * sizeof *residual);
     status = residual ? infer_fit_evaluate(fit, data) : PALP_ERR_NO_MEMORY;
     if (!status)
@@ -429,7 +430,7 @@ palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
         status = write_model(&t->fit, s, e);
         e->verdict = status ? e->verdict : PALP_EXPLAIN_UNEXPLAINED;
     }
-    if (status) /* what cannot be fitted, or was stopped, is no term; all else that was found stays */
+    if (status) /* a fit that fails or is stopped gives no term; all other results stay */
         e->free = (palp_explain_free){.resembles = PALP_EFFECT_COUNT};
     if (t->fit.raw)
         infer_fit_free(&t->fit);

@@ -1,5 +1,5 @@
-/* infer_next.c: the experiment that is expected to tell most about which set of effects is the true one. All
- * that a run has of its own and what the parameters leave open is taken into account. */
+/* infer_next.c: the experiment with the largest expected information on which set of effects is the true one.
+ * Parameters of each run and the uncertainty of all others are taken into account. */
 #include "infer_answer.h"
 #include "explain_result.h"
 
@@ -10,7 +10,7 @@
 
 enum { CAUSES = 4 }; /* the most probable ones of a class */
 
-/* The runs that were measured, and after them those that could be. */
+/* The measured runs, then the possible ones. */
 typedef struct next_runs {
     palp_explain_limits limits;
     size_t n_before, n; /* measured, possible */
@@ -53,7 +53,7 @@ static void free_class(next_class *all) {
     }
 }
 
-/* Where several specimens were pressed, another one of the mean size. */
+/* Where several specimens were pressed, a new one of the mean size. */
 static void set_run(next_runs *next, size_t k, const explain_run *like, explain_run *run) {
     explain_path *p = &next->path[k];
     double *stood = next->stood + k * EXPLAIN_PATH;
@@ -144,8 +144,8 @@ static palp_status predict(next_runs *next, next_cause *cause) {
     return cause->force ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-/* How the possible runs would differ from what one cause predicts if the others are true: by nothing if it is
- * true itself. */
+/* How the possible runs would differ from the prediction of one cause if another one is true. The difference
+ * is zero if the cause itself is true. */
 static palp_status compare(next_runs *next, next_class *all, size_t i) {
     next_cause *c = &all->cause[i];
     const size_t m = c->fit.m, last = m - 1;
@@ -163,8 +163,8 @@ static palp_status compare(next_runs *next, next_class *all, size_t i) {
     return status;
 }
 
-/* chi2 of cause i with the measured runs, the chosen ones and run k, if these record what cause j predicts;
- * its parameters and all that the runs have of their own refitted. */
+/* chi2 of cause i with the measured runs, the chosen ones and run k, if these record the forces of cause j.
+ * The parameters of cause i and those of each run are refitted. */
 static palp_status find_chi2(next_runs *next, next_class *all, size_t i, size_t j, size_t k, double *chi2) {
     next_cause *c = &all->cause[i];
     const size_t m = c->fit.m, last = m - 1;
@@ -185,9 +185,9 @@ static palp_status find_chi2(next_runs *next, next_class *all, size_t i, size_t 
     return status;
 }
 
-/* The information about the cause that the expected log odds mean, nats, at least: Kolchinsky and Tracey
- * (Entropy 19 (2017) 361), Eq. 10, with Bhattacharyya's distance, which is a quarter of the log odds for
- * normal distributions of one covariance. */
+/* A lower bound of the information about the cause that follows from the expected log odds, nats. Kolchinsky
+ * and Tracey (Entropy 19 (2017) 361), Eq. 10, with Bhattacharyya's distance. This is a quarter of the log
+ * odds for normal distributions of equal covariance. */
 static double information(const next_class *all, double nats[CAUSES][CAUSES]) {
     double sum = 0.0;
     for (size_t i = 0; i < all->n; i++) {
@@ -199,8 +199,8 @@ static double information(const next_class *all, double nats[CAUSES][CAUSES]) {
     return sum;
 }
 
-/* The expected log odds after the chosen runs and run k, of cause j over cause i if j is true, and what they
- * tell. */
+/* The expected log odds of cause j over cause i, if j is true, after the chosen runs and run k; *told: the
+ * information that follows. */
 static palp_status weigh(next_runs *next, next_class *all, size_t k, double nats[CAUSES][CAUSES],
                          double *told) {
     palp_status status = PALP_OK;
@@ -221,8 +221,8 @@ static palp_status weigh(next_runs *next, next_class *all, size_t k, double nats
 
 /* ---- a rehearsal ---- */
 
-/* The measured runs, the chosen ones and run k, which record the forces of a cause and the noise of the runs.
- */
+/* The measured runs, the chosen ones and run k. The latter two record the forces of a cause, with the noise
+ * of the runs. */
 static void rehearse_runs(const next_runs *next, size_t k, const double *force, double *recorded,
                           explain_run *run, explain_data *data) {
     uint64_t seed = 1;
@@ -247,7 +247,7 @@ static void rehearse_runs(const next_runs *next, size_t k, const double *force, 
     }
 }
 
-/* Log evidence of a cause for them, its noise and sizes learned anew. */
+/* Log evidence of a cause for them, with its noise and sizes estimated again. */
 static palp_status rehearse_fit(const next_runs *next, const next_cause *c, const explain_data *data,
                                 double *score) {
     enum { ROUNDS = 6, EVALUATIONS = 10 };
@@ -263,8 +263,8 @@ static palp_status rehearse_fit(const next_runs *next, const next_cause *c, cons
     return status;
 }
 
-/* As weigh, but noise and sizes may take what a wrong cause leaves: those of the runs so far need not stay.
- */
+/* As weigh, but noise and sizes are estimated again, so that they may absorb the residual of a wrong
+ * cause. */
 static palp_status rehearse(const next_runs *next, next_class *all, size_t k, double nats[CAUSES][CAUSES],
                             double *told) {
     const size_t most = next->n_before + next->n;
@@ -288,8 +288,8 @@ static palp_status rehearse(const next_runs *next, next_class *all, size_t k, do
 
 /* ---- the choice ---- */
 
-/* Information over the time of the experiment plus the limit: a run that takes all of the time must tell
- * twice as much as one that takes none. */
+/* Information over the time of the experiment plus the limit. A run that takes all of the time must give
+ * twice the information of one that takes none. */
 static double value_of(const next_runs *next, double told, double time) {
     return told / (next->limits.time_s + time);
 }
@@ -298,8 +298,8 @@ static double time_with(const next_runs *next, const palp_explain_next *out, siz
     return out->time_s + next->protocol[k].duration + next->limits.rest_s;
 }
 
-/* The most promising run of each speed, list[EXPLAIN_PROTOCOLS]: what noise can take of a misfit depends on
- * how slow it is. */
+/* The most promising run of each speed, list[EXPLAIN_PROTOCOLS]. How much of a misfit the noise can absorb
+ * depends on the speed. */
 static palp_status list_promising(next_runs *next, next_class *all, const palp_explain_next *out,
                                   size_t *list, size_t *n) {
     double nats[CAUSES][CAUSES], told, best[EXPLAIN_PROTOCOLS];
@@ -322,8 +322,8 @@ static palp_status list_promising(next_runs *next, next_class *all, const palp_e
     return status;
 }
 
-/* Adds run after run, each the best beside those before, as long as the information grows more than the time.
- */
+/* Adds runs one by one, each the best conditional on those before, as long as the information grows faster
+ * than the time. */
 static palp_status choose(next_runs *next, next_class *all, palp_explain_next *out) {
     double unknown = 0.0, most = 0.0;
     palp_status status = PALP_OK;
@@ -356,7 +356,7 @@ static palp_status choose(next_runs *next, next_class *all, palp_explain_next *o
     return status;
 }
 
-/* The effect itself and the most probable others, which fit the runs as well. */
+/* The effect itself and the most probable look-alikes. */
 static void find_causes(const infer_search *full, const infer_search *rest, const palp_explain_effect *out,
                         next_class *all) {
     double sum = 0.0;
