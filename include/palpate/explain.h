@@ -210,7 +210,8 @@ typedef struct palp_explain_candidate {
     char reason[PALP_EXPLAIN_REASON]; /* why it was rejected */
 } palp_explain_candidate;
 
-/* A step of the search: every candidate beside what was accepted before, and which of them was taken. */
+/* A step of the search: every candidate conditional on the effects accepted before, and the one that was
+ * taken. */
 typedef struct palp_explain_step {
     palp_effect_id taken; /* PALP_EFFECT_COUNT: none */
     size_t n_candidates;
@@ -223,8 +224,7 @@ typedef struct palp_explain_run {
     size_t n;
     double *time_s, *depth_m, *force_N; /* [n] as recorded */
     double *before_N, *after_N; /* [n] recorded minus the refitted model: as given, with the effects */
-    double
-        stiffness; /* how many times as stiff its specimen is as the model; 1 where specimens do not differ */
+    double stiffness; /* its specimen's stiffness over the model's; 1 where specimens do not differ */
 } palp_explain_run;
 
 /* A run of the next experiment. */
@@ -235,16 +235,17 @@ typedef struct palp_explain_next_run {
     double time_s; /* how long it takes */
 } palp_explain_next_run;
 
-/* The experiment that is expected to tell most about which effect of a class is the true one, within the
- * limits. */
+/* The experiment within the limits that has the largest expected information on which effect of an
+ * equivalence class is the true one. */
 typedef struct palp_explain_next {
     bool wanted;
-    size_t n_runs; /* 0: none tells anything */
+    size_t n_runs; /* 0: no run has information */
     palp_explain_next_run run[PALP_EXPLAIN_NEXT_RUNS];
     palp_effect_id between[2]; /* the accepted effect, and the most probable other one */
     double separation_N;       /* expected rms difference of these two in the first run */
     double nats;               /* expected log odds between these two, whichever is true */
-    double information;        /* about the class: share of what is unknown that it removes at least */
+    double information;        /* lower bound of the share of the uncertainty about the class that it
+                                  removes */
     double time_s;             /* with the rests, */
     double rest_s;             /* each before a run */
 } palp_explain_next;
@@ -254,7 +255,7 @@ typedef struct palp_explanation {
     palp_explain_verdict verdict;
     bool simulated;         /* the forces of another program took the place of a model's, */
     double simulated_off_N; /* and the lumped model that gives their slopes is off by so much, rms */
-    bool stopped;           /* by settings.stop: candidates were left that nothing tried */
+    bool stopped;           /* by settings.stop: some candidates were not tried */
     palp_model base, model; /* refitted as given, and with the effects; their mesh is the given model's */
     size_t n_effects;
     palp_explain_effect effect[PALP_EXPLAIN_EFFECTS];
@@ -265,13 +266,13 @@ typedef struct palp_explanation {
     palp_explain_discrepancy discrepancy;
     palp_explain_free free;
     palp_explain_specimens specimens;
-    bool replicates;       /* the runs have some */
-    double null_threshold; /* score above which a candidate is more than chance, nats */
+    bool replicates;       /* some runs have the same path */
+    double null_threshold; /* threshold of a candidate's score, nats */
     double unexplained_N;  /* rms of the structure that remains above the noise level */
     size_t n_phase_shares, n_events, n_candidates, n_runs;
     palp_explain_phase_share phase_share[PALP_EXPLAIN_PHASE_SHARES];
     palp_explain_event *event;
-    palp_explain_candidate candidate[PALP_EFFECT_COUNT]; /* beside the model as given */
+    palp_explain_candidate candidate[PALP_EFFECT_COUNT]; /* added to the model as given */
     size_t n_steps;
     palp_explain_step *step; /* [n_steps] */
     palp_explain_diagnostics diagnostics;
@@ -284,23 +285,22 @@ typedef struct palp_explanation {
 PALP_API void palp_explanation_free(palp_explanation *explanation); /* NULL is fine */
 
 /* With settings->simulated, and model NULL, each run of the specimen has a simulated one: the force is that
- * of the other program, and nothing of its material is fitted. A lumped model that follows the simulated
- * forces (palp_explain_material) stands in for what they do not say: F = simulated + model with the effects
- * along the recorded path - model without them along the simulated one. Its error matters in proportion to
- * the effects. base and model are that lumped model. ERR_INPUT with a line where paths differ: by more than
- * what moves the log evidence by the threshold of settings->false_alarm, as far as the model misses the
- * simulated forces. ERR_ARGUMENT: a model and simulated runs; ERR_UNSUPPORTED: a simulated run that goes on
- * in another file. The model's law becomes a spline of 31 knots, whose smoothness the runs tell; base has the
- * law of the given family that is nearest. evidence_se is paired over what is left out in turn: each run, or
- * each eighth of a single one. An effect that does not help to predict that is not accepted. ERR_INPUT with a
- * line for runs that cannot be used; ERR_UNSUPPORTED: a network with mass, or a model that is not
- * PALP_HISTORY; ERR_LIMIT: more effects in the model than can be added to. */
+ * of the other program, and nothing of its material is fitted. A lumped model fitted to the simulated forces
+ * (palp_explain_material) gives their change: F = simulated + model with the effects along the recorded path
+ * - model without them along the simulated one. Its error matters in proportion to the effects. base and
+ * model are that lumped model. ERR_INPUT with a line where paths differ too much: the error could change the
+ * log evidence by the threshold of settings->false_alarm. ERR_ARGUMENT: a model and simulated runs;
+ * ERR_UNSUPPORTED: a simulated run that continues in another file. The model's law becomes a spline of 31
+ * knots with estimated smoothness; base has the nearest law of the given family. evidence_se is paired over
+ * the runs left out in turn, or over each eighth of a single run. Effects that do not improve their
+ * prediction are not accepted. ERR_INPUT with a line for runs that cannot be used; ERR_UNSUPPORTED: a network
+ * with mass, or a model that is not PALP_HISTORY; ERR_LIMIT: the model has too many effects already. */
 PALP_API palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_input *inputs,
                                   const palp_explain_settings *settings, palp_explanation *explanation,
                                   palp_error *error);
 
-/* How far the frame gives way, from runs on a rigid block: its compliance with a 95 % interval, m/N.
- * ERR_INPUT with the run's name where its samples will not do, or it does not press. */
+/* The frame's compliance from runs on a rigid block, with a 95 % interval, m/N. ERR_INPUT with the run's name
+ * where its samples are not usable, or it does not press. */
 typedef struct palp_frame {
     double compliance_m_N, low_m_N, high_m_N;
 } palp_frame;
@@ -315,27 +315,27 @@ typedef struct palp_explain_choice {
     const palp_law *law; /* [n_laws] the caller's: kind, size, knots and area; coefficients: first guess */
     bool no_spline;      /* the spline does not compete: one of the laws is taken */
     size_t per_decade;   /* 0, or so many arms a decade at fixed times, from four samples to three times the
-                            longest run, of which those stay that the runs show. The numbers of arms
-                            above do not count */
+                            longest run. Arms that the runs do not show are removed. The numbers of arms above
+                            do not count */
     bool dwell_only;     /* of runs with a dwell, its samples alone are fitted */
 } palp_explain_choice;
 
-/* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy. Each of its arms
- * gains what settings->false_alarm wants. They are driven by the strain or by the elastic force
- * (quasi-linear). The law is that of the largest evidence. specimen: height and radius, to which all runs are
- * scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's to free:
- * of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0. Specimens are
- * numbered as they come first among the inputs (specimen.name); with one, fit has the mean alone. n_spread is
- * 1 if they differ: all stiffnesses of one by a factor, all times, and the law alone. settings: false_alarm,
- * contact, loop, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline without a law; ERR_LIMIT: more
- * than PALP_ARMS_MAX at fixed times; errors of palp_explain. */
+/* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy. The evidence of
+ * each arm exceeds the threshold of settings->false_alarm. Arms are driven by the strain or by the elastic
+ * force (quasi-linear). The law is that of the largest evidence. specimen: height and radius, to which all
+ * runs are scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's
+ * to free: of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0.
+ * Specimens are numbered in the order of their first inputs (specimen.name); with one, fit has the mean
+ * alone. n_spread is 1 if they differ: by a factor on all stiffnesses, one on all times, and one on the law
+ * alone. settings: false_alarm, contact, loop, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline
+ * without a law; ERR_LIMIT: more than PALP_ARMS_MAX at fixed times; errors of palp_explain. */
 PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
                                            const palp_explain_input *inputs,
                                            const palp_explain_settings *settings,
                                            const palp_explain_choice *choice, palp_specimens_fit *fit,
                                            palp_error *error);
 
-/* A form of one shape p over x, which is what a term depends on over the largest of it on its grid. */
+/* A form of shape p over x. x is the variable of a term, relative to its largest value on the grid. */
 typedef enum palp_formula_form {
     PALP_FORM_POWER,       /* |x|^p, with the sign of x */
     PALP_FORM_EXPONENTIAL, /* exp(-|x| / p), with the sign of x where x has both */
@@ -354,24 +354,24 @@ typedef struct palp_formula_part {
 
 /* A sum of few forms. */
 typedef struct palp_formula {
-    size_t n;     /* 0: no sum of these forms is more probable than nothing */
-    double scale; /* the largest of what the term depends on: strain, s, m/s or m */
+    size_t n;     /* 0: no sum of these forms is more probable than zero force */
+    double scale; /* largest value of the term's variable: strain, s, m/s or m */
     palp_formula_part part[PALP_FORMULA_PARTS];
-    double evidence;      /* over no force at all, nats */
-    double evidence_over; /* over the best formula whose last part is another; HUGE_VAL: there is none */
+    double evidence;      /* over zero force, nats */
+    double evidence_over; /* over the best formula with another last part; HUGE_VAL: there is none */
 } palp_formula;
 
 PALP_API const char *palp_formula_form_name(palp_formula_form form); /* "power", ... */
 
 /* The most probable sparse sum for a term: parts are added as long as one gains more than the threshold of
- * false_alarm, less the logarithm of the number of forms. The prior of a force is normal, of sd scale_N, that
- * of a shape even over its grid. information, pull: as palp_explain_free has them. ERR_ARGUMENT: no term, or
- * false_alarm not between 0 and 1. */
+ * false_alarm, less the logarithm of the number of forms. The prior of a force is normal with the sd scale_N,
+ * that of a shape uniform over its grid. information, pull: as palp_explain_free has them. ERR_ARGUMENT: no
+ * term, or false_alarm not between 0 and 1. */
 PALP_API palp_status palp_formula_find(const palp_free_term *term, const double *information,
                                        const double *pull, double scale_N, double false_alarm,
                                        palp_formula *formula);
 
-/* Its force in N at what the term depends on, in SI units. */
+/* Its force in N at a value of the term's variable, in SI units. */
 PALP_API double palp_formula_force(const palp_formula *formula, double at);
 
 #ifdef __cplusplus

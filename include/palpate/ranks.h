@@ -1,6 +1,6 @@
-/* ranks.h: one network over several processes, for millions of nodes. May change. The processes are those
- * that mpirun starts; PETSc solves. All of them make the same calls in the same order, and all get the same
- * forces and statuses. A library that was built without PETSc (make PETSC=1) answers ERR_UNSUPPORTED. */
+/* ranks.h: one network over several processes, for millions of nodes. May change. mpirun starts the
+ * processes; PETSc solves. All processes make the same calls in the same order, and get the same forces and
+ * statuses. A library built without PETSc (make PETSC=1) returns ERR_UNSUPPORTED. */
 #ifndef PALPATE_RANKS_H
 #define PALPATE_RANKS_H
 
@@ -26,8 +26,8 @@ PALP_API void palp_ranks_finish(palp_ranks *ranks);
 PALP_API int palp_ranks_rank(const palp_ranks *ranks);  /* number of this process, from 0; NULL: 0 */
 PALP_API int palp_ranks_count(const palp_ranks *ranks); /* number of processes; NULL: 1 */
 
-/* The worst of the processes' statuses, for each to go on or to stop as the others do. error, unless NULL,
- * gets a line where the process' own is PALP_OK. NULL for ranks: status as it is. */
+/* The worst status of all processes, so that all go on or all stop. error, unless NULL, gets a line where the
+ * process' own is PALP_OK. NULL for ranks: status as it is. */
 PALP_API palp_status palp_ranks_agree(const palp_ranks *ranks, palp_status status, palp_error *error);
 
 /* The network of a network model, of which each process has a part, as PETSc divides the graph of its
@@ -36,10 +36,10 @@ PALP_API palp_status palp_ranks_agree(const palp_ranks *ranks, palp_status statu
  * subdivisions. The part can be stepped and run, and written by palp_vtu_add (one file for each process).
  * Positions, elements and the mesh are those of the part; forces and depths are of the whole. Newton's method
  * is PETSc's (SNES, line search on the residual), linear systems are solved by conjugate gradients with
- * algebraic multigrid (GAMG). Stability of the tangent is not assessed but where these meet an indefinite
- * one. ERR_UNSUPPORTED, with the name of it in error: effects, regions with tools or with more than a
- * stiffness, density, a volume modulus, Poisson's ratio, PALP_BRANCH_STABLE. Cutting, ties, contact of
- * tissue, real time and reduction answer ERR_UNSUPPORTED too. */
+ * algebraic multigrid (GAMG). Stability is assessed only where conjugate gradients find an indefinite
+ * tangent. ERR_UNSUPPORTED, with the name of the feature in error: effects, regions under tools or with more
+ * than a stiffness factor, density, a volume modulus, Poisson's ratio, PALP_BRANCH_STABLE. Cutting, ties,
+ * contact of tissue, real time and reduction return ERR_UNSUPPORTED too. */
 PALP_API palp_status palp_ranks_network(palp_ranks *ranks, const palp_model *model, const palp_mesh *mesh,
                                         size_t n_supports, const palp_support *supports,
                                         const palp_network_settings *settings, bool tools,

@@ -13,9 +13,8 @@ extern "C" {
 enum { PALP_SOLID_MAX = 3 }; /* most coefficients of a solid */
 
 /* Energies per volume at rest, linear in the coefficients c, Pa. C = F'F has the invariants I1 and I2, J =
- * det F, I1~ = J^(-2/3) I1, I2~ = J^(-4/3) I2. Poisson's ratio ties the resistance to a change of volume to
- * the shear modulus G at rest: bulk modulus K = 2 G (1 + nu) / (3 (1 - 2 nu)), lambda = 2 G nu / (1 - 2 nu).
- */
+ * det F, I1~ = J^(-2/3) I1, I2~ = J^(-4/3) I2. Poisson's ratio gives the volume terms from the shear modulus
+ * G at rest: bulk modulus K = 2 G (1 + nu) / (3 (1 - 2 nu)), lambda = 2 G nu / (1 - 2 nu). */
 typedef enum palp_solid_law {
     PALP_SOLID_NEO_HOOKEAN,        /* c0 (I1~ - 3) + K/2 (J - 1)^2, G = 2 c0 */
     PALP_SOLID_MOONEY_RIVLIN,      /* c0 (I1~ - 3) + c1 (I2~ - 3) + K/2 (J - 1)^2, G = 2 (c0 + c1) */
@@ -27,10 +26,10 @@ typedef enum palp_solid_law {
     PALP_SOLID_ST_VENANT           /* lambda/2 (tr E)^2 + c0 E:E, E = (C - 1)/2, G = c0: MuJoCo, Vega */
 } palp_solid_law;
 
-/* What a solid does in time, beside its elasticity. PRONY: the stress of each arm relaxes, all components
- * alike, F = Fe + sum of share_j times the history of Fe over exp(-t / tau_j). Others add a viscous force:
- * RAYLEIGH damping_s times the tangent; MATERIAL the stress damping_s times that of the rate of E; SHEAR
- * the dissipation 2 viscosity (dE/dt : dE/dt). */
+/* The time dependence of a solid. PRONY: the stress of each arm relaxes, all components alike, F = Fe + sum
+ * of share_j times the history of Fe over exp(-t / tau_j). The others add a viscous force. RAYLEIGH:
+ * damping_s times the tangent. MATERIAL: the stress is damping_s times that of the rate of E. SHEAR: the
+ * dissipation is 2 viscosity (dE/dt : dE/dt). */
 typedef enum palp_solid_time {
     PALP_SOLID_ELASTIC,
     PALP_SOLID_PRONY,

@@ -1,6 +1,6 @@
-/* solid.c: the coefficients of a solid, and what it does in time, by least squares of the plate's force. The
- * elastic force is the sum of coefficients times forces at the same deformation, by virtual work. The
- * derivative by a coefficient is then that force, since the energy is at its minimum. */
+/* solid.c: fits the coefficients and the time dependence of a solid by least squares of the plate's force. By
+ * virtual work the elastic force is the sum of coefficients times forces at the same deformation. Since the
+ * energy is at its minimum, the derivative by a coefficient is that force. */
 #include "solid_internal.h"
 
 #include "base/dense.h"
@@ -10,11 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A fitted solid has to be stable a quarter beyond the deepest press, 3 of the knots' 12 distances. */
+/* A fitted solid has to be stable to a quarter beyond the deepest press: 3 of the 12 intervals between
+ * knots. */
 enum { KNOTS = 13, STABLE = KNOTS + 3, UNKNOWNS_MAX = PALP_SOLID_MAX + PALP_ARMS_MAX, EVALUATIONS = 40 };
 static const double FIRST = 1e-3, NEAR_REST = 1e-2, FAR = 1e4; /* first knot, bounds over the first guess */
 
-/* What the plate feels by depth, of a solid with c0 = 1. */
+/* The plate's force by depth, of a solid with c0 = 1. */
 typedef struct plate_table {
     double depth_m[STABLE];
     solid_feel feel[STABLE];
@@ -33,7 +34,7 @@ typedef struct solid_problem {
 
 /* ---- the table ---- */
 
-/* With stable also beyond the deepest press, where only the equilibrium counts. */
+/* With stable also beyond the deepest press, where only the existence of an equilibrium matters. */
 static palp_status make_table(solid_problem *p, const palp_solid *solid, double deepest_m, bool stable) {
     palp_solid unit = *solid;
     for (size_t k = 0; k < PALP_SOLID_MAX; k++)
@@ -77,8 +78,8 @@ typedef struct solid_state {
     double arm[PALP_ARMS_MAX][PALP_SOLID_MAX]; /* history of by_c_m2 */
 } solid_state;
 
-/* Goes on to the sample i; then the force, and gradient[n_unknowns] of it by c, then shares or damping times
- * c0 (SHEAR: the viscosity). */
+/* Advances to sample i and returns the force. gradient[n_unknowns]: by c, then by the shares, or by the
+ * damping times c0 (SHEAR: the viscosity). */
 static double advance(const solid_problem *p, const palp_solid *solid, const palp_solid_press *press,
                       size_t i, solid_state *state, double *gradient) {
     const size_t count = palp_solid_count(solid->law);
@@ -177,7 +178,7 @@ static void keep(void *user) {
     (void)user;
 }
 
-/* The first guess: c0 alone, as by least squares of an elastic solid; x = 1 is that. */
+/* The first guess: c0 alone, by least squares of an elastic solid; x = 1 there. */
 static palp_status first_guess(solid_problem *p, double *x) {
     double ff = 0.0, fy = 0.0;
     p->solid.c_Pa[0] = 1.0;
@@ -266,7 +267,7 @@ palp_status palp_solid_fit(palp_solid *solid, const palp_mesh *mesh, size_t n, c
     *info = (palp_solid_fit_info){0};
     solid_problem p = {.solid = *solid, .n_press = n, .press = press, .n_unknowns = unknowns_of(solid)};
     palp_status status = solid_body_create(mesh, solid->slides, &p.body);
-    p.body.stable = palp_solid_count(solid->law) > 1; /* of one coefficient it does not depend on it */
+    p.body.stable = palp_solid_count(solid->law) > 1; /* stability does not depend on a single one */
     status = status ? status : fit(&p, solid, info);
     solid_body_free(&p.body);
     return status;

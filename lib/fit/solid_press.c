@@ -1,4 +1,4 @@
-/* solid_press.c: a solid pressed by its plate: Newton's method, and what the plate feels. */
+/* solid_press.c: a solid pressed by its plate: Newton's method, and the plate's force. */
 #include "solid_internal.h"
 
 #include "base/dense.h"
@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const double TOLERANCE = 1e-9; /* of the residual, relative to all nodal forces */
-static const double ROUNDED = 1e-13;  /* a step so small, relative to the places, is rounding */
+static const double ROUNDED = 1e-13;  /* a smaller step, relative to the positions, is rounding */
 enum { ITERATIONS = 30, HALVES = 12 };
 
 /* The gradient of a nodal field in a tetrahedron; of positions it is F. */
@@ -74,7 +74,7 @@ static double evaluate(solid_body *body, const palp_solid *solid, bool matrix) {
     return all > 0.0 ? sqrt(free_axes / all) : 0.0;
 }
 
-/* x = before + s times the solution in residual of the unknown axes; the others stay as they are. */
+/* x = before + s times the solution, which is in residual, at the unknown axes; others stay. */
 static void move(solid_body *body, const double *step, double s) {
     for (size_t i = 0; i < 3 * palp_mesh_node_count(body->mesh); i++)
         if (body->unknown[i] >= 0)
@@ -181,15 +181,15 @@ static void feel_plate(const solid_body *body, const palp_solid *solid, solid_fe
     }
 }
 
-/* Moves the plate to a depth from another, in more parts where Newton's method fails; body->rate is that of
- * the place where it starts. */
+/* Moves the plate from one depth to another, in more parts where Newton's method fails. body->rate is that at
+ * the start. */
 static palp_status press_on(solid_body *body, const palp_solid *solid, double from_m, double to_m,
                             double *step) {
     const size_t n = 3 * palp_mesh_node_count(body->mesh);
     double part = to_m - from_m;
     while (to_m - from_m > 1e-12 * to_m) {
         part = fmin(part, to_m - from_m);
-        double *x = step + body->n_unknowns; /* where this part starts */
+        double *x = step + body->n_unknowns; /* positions at the start of this part */
         memcpy(x, body->x, n * sizeof *x);
         for (size_t i = 0; i < n; i++)
             body->x[i] += part * body->rate[i];

@@ -1,4 +1,4 @@
-/* petsc_exchange.c: what the parts of a network tell each other. */
+/* petsc_exchange.c: the exchange of values between the parts of a network. */
 #include "petsc_internal.h"
 
 #include "base/file.h"
@@ -25,7 +25,7 @@ static PetscErrorCode add_up(part *p, size_t components, double *values) {
     return VecRestoreArray(p->local, &at);
 }
 
-/* A message that fails leaves the processes apart: nothing can go on. */
+/* After a failed message the processes are no longer in step, so the program ends. */
 void part_complete(network_ranks *ranks, size_t components, double *values) {
     part *p = (part *)ranks;
     if (add_up(p, components, values))

@@ -12,25 +12,25 @@ struct palp_ranks {
     int rank, count;
 };
 
-/* An ordered pair of nodes of the part, without an element of it, whose block a tool may need. */
+/* An ordered pair of nodes of the part without an element between them; a tool may need its block. */
 typedef struct part_pair {
     int32_t row, column;
 } part_pair;
 
-/* A part of a network. PETSc numbers nodes by process, three unknowns each, those of fixed axes too: their
- * equations say that nothing changes. */
+/* A part of a network. PETSc numbers nodes by process, with three unknowns each. Fixed axes have the equation
+ * that their displacement is zero. */
 typedef struct part {
     network_ranks hook; /* first, so that a pointer to it is one to the part */
     MPI_Comm comm;
     palp_network *net;   /* set at the first solution */
     size_t n_nodes;      /* of the part's mesh */
-    PetscInt n_own;      /* of them, the nodes that count here */
+    PetscInt n_own;      /* of them, nodes that this process owns */
     unsigned char *own;  /* [n_nodes] */
     PetscInt *number;    /* [n_nodes] in PETSc's order of nodes */
     int32_t *node;       /* [n_nodes] in the whole mesh */
     int32_t *element;    /* [the part's n_elements] in the whole mesh */
-    Vec x, f, sum;       /* of the unknowns: positions, minus the residual, and what parts add up */
-    Vec local;           /* [3 n_nodes] of the part, with the nodes that others own */
+    Vec x, f, sum;       /* of the unknowns: positions, minus the residual, and sums over parts */
+    Vec local;           /* [3 n_nodes] of the part, also of nodes that others own */
     VecScatter exchange; /* from x to local */
 
     /* made at the first solution */
@@ -41,7 +41,7 @@ typedef struct part {
     part_pair *pair;    /* [n_pairs] sorted */
     double *node_block; /* [9 n_nodes] */
 
-    PetscInt fresh;         /* iterations with a multigrid of the same tangent; 0 = make it anew */
+    PetscInt fresh;         /* iterations with a multigrid of the same tangent; 0 = set it up again */
     double residual, scale; /* of the last evaluation */
     bool indefinite;        /* conjugate gradients met a tangent that is not positive definite */
 } part;
@@ -52,7 +52,7 @@ typedef struct part {
         if ((call) != 0)                                                                                     \
             return PALP_ERR_NO_MEMORY;                                                                       \
     } while (0)
-/* In PETSc's callbacks, whose code is PETSc's. */
+/* In PETSc's callbacks, which return PETSc's codes. */
 #define PASS(call)                                                                                           \
     do {                                                                                                     \
         PetscErrorCode code_ = (call);                                                                       \
@@ -66,7 +66,7 @@ typedef struct part {
  * graph of elements. All processes have the whole mesh and get the same owners. */
 PetscErrorCode partition_nodes(const palp_ranks *ranks, const palp_mesh *mesh, int32_t *owner);
 
-/* number[n]: nodes by process, and in their order within one. */
+/* number[n]: nodes ordered by process, then by index. */
 PetscErrorCode number_nodes(const int32_t *owner, size_t n, int count, PetscInt *number);
 
 /* ---- petsc_exchange.c ---- */
@@ -79,15 +79,16 @@ double part_largest(network_ranks *ranks, double value);
 /* Values of x at the part's nodes, into p->local. */
 PetscErrorCode part_fetch(part *p, Vec x);
 
-/* The worst of the processes' statuses; error is set where it is another's. */
+/* The worst status of all processes; error is set where it comes from another process. */
 palp_status part_agree(MPI_Comm comm, palp_status status, palp_error *error);
 
 /* ---- petsc_tangent.c ---- */
 
-/* Makes the tangent with its pattern and the motions of a rigid body, which the multigrid must keep. */
+/* Makes the tangent with its pattern and with the rigid-body motions, the near null space of the
+ * multigrid. */
 palp_status part_make_tangent(part *p);
 
-/* Its values at the last evaluation. */
+/* Writes the values of the last evaluation. */
 PetscErrorCode part_assemble(part *p);
 
 /* ---- petsc_newton.c ---- */

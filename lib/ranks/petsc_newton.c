@@ -5,7 +5,7 @@
 #include <math.h>
 
 static const double AT_FOLD = 10.0;   /* as in network_newton.c */
-static const double PREDICTED = 1e-6; /* share of the right-hand side that other solutions leave */
+static const double PREDICTED = 1e-6; /* relative tolerance of linear solutions outside SNES */
 
 /* ---- what PETSc asks ----------------------------------------------------------------------------- */
 
@@ -38,7 +38,7 @@ static PetscErrorCode give_unknowns(part *p, const double *from, double factor, 
     return VecRestoreArray(to, &at);
 }
 
-/* A collapsed element makes the residual infinite, from which the line search turns back. */
+/* A collapsed element makes the residual infinite, so that the line search shortens the step. */
 static PetscErrorCode residual_at(SNES snes, Vec x, Vec f, void *user) {
     part *p = user;
     bool sound;
@@ -105,8 +105,8 @@ static palp_status prepare(part *p, palp_network *net) {
 
 /* ---- the age of the multigrid -------------------------------------------------------------------- */
 
-/* A multigrid of an earlier tangent serves until it takes this many times the iterations of its first
- * solution: making it costs as much as some twenty of them. It changes the work alone. */
+/* A multigrid of an earlier tangent is kept until a solution takes this many times the iterations of the
+ * first. Setting it up costs about twenty iterations. This changes the work, not the solution. */
 enum { WORN = 2 };
 
 static palp_status begin_solution(part *p, KSP ksp) {
@@ -129,7 +129,8 @@ static palp_status end_solution(part *p, KSP ksp) {
 
 /* ---- the network's calls ------------------------------------------------------------------------- */
 
-/* SNES from the positions in x. A tangent that is not positive definite stops conjugate gradients: FGMRES. */
+/* SNES from the positions in x. If a tangent is not positive definite, conjugate gradients stop and FGMRES
+ * takes over. */
 static palp_status solve_from(part *p, SNESConvergedReason *reason, palp_step_info *info) {
     KSPConvergedReason linear;
     PetscInt iterations;
@@ -157,8 +158,8 @@ static palp_status solve_from(part *p, SNESConvergedReason *reason, palp_step_in
     return PALP_OK;
 }
 
-/* A tangent on the way was not positive definite: asks conjugate gradients whether that of the solution is.
- */
+/* A tangent during the iteration was not positive definite. Conjugate gradients then test that of the
+ * solution. */
 static palp_status assess_solution(part *p, palp_step_info *info) {
     KSPConvergedReason reason;
     KSP ksp;

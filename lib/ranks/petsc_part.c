@@ -1,4 +1,4 @@
-/* petsc_part.c: a process' part of a network. */
+/* petsc_part.c: the part of a network that a process has. */
 #include "petsc_internal.h"
 
 #include "base/file.h"
@@ -42,7 +42,7 @@ static palp_status make_vectors(part *p) {
     return PALP_OK;
 }
 
-/* Numbers of the part's nodes, and which of them count here. */
+/* PETSc's numbers of the part's nodes, and which of them this process owns. */
 static palp_status number_part(part *p, const palp_ranks *ranks, size_t n_whole, const int32_t *owner) {
     PetscInt *number = malloc(n_whole * sizeof *number);
     p->own = malloc(p->n_nodes + 1);
@@ -97,7 +97,7 @@ static part *new_part(const palp_ranks *ranks) {
 
 /* ---- the public call ----------------------------------------------------------------------------- */
 
-/* The first region that is more than stiffer, or that a tool may touch; NULL = none. */
+/* The first region with more than a stiffness factor, or any under a tool; NULL = none. */
 static const char *unsupported_region(const palp_network_settings *s, bool tools) {
     for (size_t r = 0; r < s->n_regions; r++) {
         const palp_region *region = &s->regions[r];
@@ -107,7 +107,7 @@ static const char *unsupported_region(const palp_network_settings *s, bool tools
     return NULL;
 }
 
-/* Names the first thing that a part cannot do. */
+/* Names the first feature that is not supported. */
 static palp_status refuse_unsupported(const palp_model *model, const palp_network_settings *s, bool tools,
                                       palp_error *error) {
     char what[96] = "";

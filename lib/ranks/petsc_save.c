@@ -1,5 +1,5 @@
-/* petsc_save.c: the state of a network in parts in one file, in the order of the whole mesh: any number of
- * processes can go on from it. PETSc's binary format. */
+/* petsc_save.c: the state of a network in parts in one file, in the order of the whole mesh, so that any
+ * number of processes can read it. PETSc's binary format. */
 #include "petsc_internal.h"
 
 #include "base/file.h"
@@ -33,7 +33,7 @@ typedef struct pass {
     PetscViewer file;
     bool save;
     PetscInt *place; /* [the longer of 3 n_nodes and n_elements] of a value in the whole array */
-    double *kept;    /* as long: the values that this process has to give */
+    double *kept;    /* as long: the values of this process */
 } pass;
 
 static PetscErrorCode pass_numbers(pass *s, double n[NUMBERS]) {
@@ -157,7 +157,7 @@ static void end_pass(pass *s) {
     free(s->kept);
 }
 
-/* Numbers of nodes and elements of the whole network. */
+/* Counts nodes and elements of the whole network. */
 static void count_whole(const part *p, const palp_network *net, PetscInt *nodes, PetscInt *elements) {
     double n[2] = {(double)p->n_own, (double)net->n_elements};
     MPI_Allreduce(MPI_IN_PLACE, n, 2, MPI_DOUBLE, MPI_SUM, p->comm);
@@ -182,8 +182,8 @@ static bool can_be_saved(const palp_network *net) {
     return net->n_terms == 0 && !net->now.vector && !net->now.history.peak;
 }
 
-/* Only the first process opens files, and PETSc would leave the others waiting if it cannot: asks it first.
- * Bytes of the file, or -1. */
+/* Asks the first process, which alone opens files, whether it can. Otherwise PETSc would leave the others
+ * waiting. Bytes of the file, or -1. */
 static double ask_for_file(const part *p, const char *path, bool create) {
     double bytes = -1.0;
     if (p->hook.rank == 0) {

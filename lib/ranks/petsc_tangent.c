@@ -1,7 +1,6 @@
-/* petsc_tangent.c: the tangent of a part in PETSc's matrix. Its values stand as coordinates and values: 18
- * for each element (the block of second and first node, and its transpose), 9 for each node of the part, 9
- * for each pair that tools need. PETSc adds up what stands at the same place, also what other processes give.
- */
+/* petsc_tangent.c: the tangent of a part in PETSc's matrix. It is given as coordinates and values: 18 for
+ * each element (the block of second and first node, and its transpose), 9 for each node of the part, 9 for
+ * each pair that tools need. PETSc adds values at the same place, also those of other processes. */
 #include "petsc_internal.h"
 
 #include <stdlib.h>
@@ -18,7 +17,7 @@ static int compare_pairs(const void *a, const void *b) {
     return (p->column > q->column) - (p->column < q->column);
 }
 
-/* Both orders of the corners of each triangle whose row counts here. */
+/* Both orders of the corners of each triangle, for rows that this process owns. */
 static palp_status list_pairs_of_surface(part *p) {
     const palp_network *net = p->net;
     const size_t n = net->n_terms > 0 ? net->n_surface : 0;
@@ -54,7 +53,7 @@ static void list_block(const part *p, int32_t row, int32_t column, PetscInt *row
     }
 }
 
-/* A fixed axis has its diagonal alone. */
+/* A fixed axis has its diagonal entry only. */
 static void list_node_block(const part *p, int32_t node, PetscInt *rows, PetscInt *columns) {
     list_block(p, node, node, rows, columns);
     for (int k = 0; k < 3; k++)
@@ -134,7 +133,8 @@ static void write_element_blocks(part *p) {
     }
 }
 
-/* A block between nodes of a term, which is the same in all parts: in the rows that count here. */
+/* A block between nodes of a term, which is the same in all parts. It goes into the rows that this process
+ * owns. */
 static void add_pair_block(part *p, int32_t row, int32_t column, const double k[9], bool transposed) {
     const part_pair key = {row, column};
     const part_pair *found =
@@ -157,7 +157,7 @@ static void take_term_block(void *user, int32_t row, int32_t column, const doubl
     add_pair_block(p, column, row, k, true);
 }
 
-/* The equations of fixed axes have the diagonal of their node at rest. */
+/* Equations of fixed axes have the diagonal of their node at rest. */
 static void write_node_blocks(part *p) {
     palp_network *net = p->net;
     network_set_diagonal(net, 0.0);

@@ -1,4 +1,4 @@
-/* ranks_none.c: what a library without PETSc answers. */
+/* ranks_none.c: the functions of a library without PETSc. */
 #include <palpate/ranks.h>
 
 #include "base/file.h"

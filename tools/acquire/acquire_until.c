@@ -1,5 +1,5 @@
-/* acquire_until.c: after the first session, what its recordings leave open is measured until one cause is
- * left. palpate explain, a child, names the effects and designs the next experiment. */
+/* acquire_until.c: after the first session, further experiments until the effects have no look-alikes.
+ * palpate explain, a child process, names the effects and designs each experiment. */
 #define _XOPEN_SOURCE 700
 #include "acquire_setup.h"
 #include "shared/json_out.h"
@@ -19,7 +19,7 @@ static const char NAME[] = "acquire";
 
 enum { FILES = 512, WORDS = FILES + 24, NUMBER = 32 };
 
-/* Recordings of all sessions so far, and what explain makes of them. */
+/* Recordings of all sessions so far, and the results of explain. */
 typedef struct sessions {
     acquire_setup *setup;
     const acquire_until *how;
@@ -79,9 +79,9 @@ static int explain(const sessions *u) {
     argv[n++] = "--"; /* a folder's name may begin with a dash */
     for (size_t i = 0; i < u->n; i++)
         argv[n++] = u->file[i];
-    unlink(u->next); /* that of an earlier result */
+    unlink(u->next); /* one of an earlier result */
     fflush(NULL);
-    posix_spawn_file_actions_init(&files); /* what it says is words, not this command's data */
+    posix_spawn_file_actions_init(&files); /* its output is text for the user, not this command's data */
     posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
     posix_spawnattr_init(&group);
     posix_spawnattr_setflags(&group, POSIX_SPAWN_SETPGROUP);
@@ -95,8 +95,8 @@ static int explain(const sessions *u) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : CLI_FAILURE;
 }
 
-/* The runs of the next experiment, with names of their own; the specimen rests before the first of them, too.
- */
+/* The runs of the next experiment, with names of their own; there is a pause before the first of them,
+ * too. */
 static int plan_next(const sessions *u, size_t round, acquire_plan *plan) {
     const acquire_motion none = acquire_motion_none();
     *plan = (acquire_plan){.random = -1, .repeat_first = -1, .seed = NAN};
@@ -136,8 +136,8 @@ static void add_summary(json_t *all, json_t *more) {
     json_decref(more);
 }
 
-/* Explains, and measures what explain asks for, while several causes are left and there is time. *verdict: of
- * the last result, which the caller releases. */
+/* Explains, and records the experiments of explain, while effects have look-alikes and time remains. *result:
+ * the last one, which the caller releases. */
 static int go_on(sessions *u, acquire_plan *plan, json_t *summary, json_t **result) {
     acquire_options *again = &u->setup->session;
     again->keep_contact = true;

@@ -11,7 +11,7 @@
 
 enum { BENCHMARK_RUNS = 64, BENCHMARK_SPLITS = 64, BENCHMARK_PROGRAMS = 16, BENCHMARK_WORDS = 32 };
 
-/* Runs to fit, and runs whose force is to be predicted. What the texts point to belongs to the manifest. */
+/* Runs to fit, and runs whose force is to be predicted. The strings belong to the manifest. */
 typedef struct benchmark_split {
     const char *name, *leaves_out;
     size_t n_fit, n_predict;
@@ -46,11 +46,11 @@ bool benchmark_path(const benchmark *b, char path[CLI_PATH_MAX], const char *for
 int benchmark_predict(const benchmark *b, const benchmark_program *own, const benchmark_split *split,
                       const char *folder);
 
-/* What a program's forces miss of those recorded. (benchmark_score.c) */
+/* The error of a program's forces. (benchmark_score.c) */
 typedef struct benchmark_score {
     size_t samples;
     double rms_N, peak_N; /* peak: the largest recorded force of the runs to predict */
-    bool there;           /* false: the program has handed in nothing for this split */
+    bool there;           /* false: the program has no prediction for this split */
 } benchmark_score;
 
 /* folder: of palpate's own predictions, or NULL: FOLDER/predictions/PROGRAM/SPLIT/RUN.csv. Returns an exit

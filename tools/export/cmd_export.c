@@ -182,7 +182,7 @@ int cmd_export(int argc, char **argv) {
                 path);
     palp_network *network = NULL;
     palp_status status = palp_model_mesh(&model, &mesh, &error);
-    model.n_effects = 0; /* the deck is of the plain network */
+    model.n_effects = 0; /* the deck is that of the network without effects */
     if (!status)
         status = palp_network_from_model(&model, mesh, 0, NULL, NULL, &network, &error);
     code = status ? cli_status("export", status, &error) : write_deck(&o, &model, path, network);

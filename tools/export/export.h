@@ -60,10 +60,10 @@ int export_press(export_scene *scene); /* ramp_N and hold_N */
 /* The law of the scene's target. */
 const export_law *export_law_of(const export_scene *scene);
 
-/* What was fitted to what, and the error of the force, as lines after a prefix. None has two hyphens. */
+/* Law, presses of the fit and error of the force, as lines after a prefix. No line has two hyphens. */
 void export_state(const export_scene *scene, const char *prefix, FILE *to);
 
-/* The indices of the nodes whose supports are these, from first on (0 or 1), between separators. */
+/* The indices of the nodes with these supports, counted from first (0 or 1), between separators. */
 void export_nodes_held(const export_scene *scene, unsigned char held, int first, const char *separator,
                        FILE *to);
 

@@ -10,10 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double DEEPEST = 0.25; /* of the height, where neither a depth nor a recording says another */
+static const double DEEPEST = 0.25; /* of the height, unless a depth or a recording gives another */
 static const double RATE_M_S = 1e-3;
-static const double SHORTEST_HOLD_S = 10,
-                    HOLDS = 3; /* a dwell lasts so many of the longest relaxation times */
+static const double SHORTEST_HOLD_S = 10, HOLDS = 3; /* duration of a dwell, in longest relaxation times */
 
 /* ---- recordings ---- */
 

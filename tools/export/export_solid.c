@@ -1,4 +1,4 @@
-/* export_solid.c: the targets, the scene of one, and what is said of its error. */
+/* export_solid.c: the targets, the scene of one, and the report of its error. */
 #include "export.h"
 
 #include "shared/json_out.h"
@@ -197,13 +197,13 @@ int export_solid(const export_options *o, const char *path) {
     s.model = cli_base(path);
     s.solid.time = s.target->time;
     s.solid.slides = o->slides;
-    model.n_effects = 0; /* of the plain tissue, as a simulator has it */
+    model.n_effects = 0; /* of the tissue alone, as in a simulator */
     if (model.density_kg_m3 > 0) {
         s.density_kg_m3 = model.density_kg_m3;
         model.density_kg_m3 = 0;
     }
     code = take_arms(&model, &s);
-    if (s.solid.n_arms == 0) /* a ramp alone would not tell a viscosity from the elasticity */
+    if (s.solid.n_arms == 0) /* a ramp alone does not separate viscosity from elasticity */
         s.solid.time = PALP_SOLID_ELASTIC;
     code = code ? code : choose_poisson(o, &model, &s);
     code = code ? code : make_mesh(o, &model, &s);

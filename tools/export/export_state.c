@@ -1,4 +1,4 @@
-/* export_state.c: what every scene file says of its solid, and its nodes by their supports. */
+/* export_state.c: the comment on its solid in every scene file, and nodes by their supports. */
 #include "export.h"
 
 #include <math.h>

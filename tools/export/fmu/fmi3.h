@@ -1,5 +1,4 @@
-/* fmi3.h: what of FMI 3.0.2 (fmi-standard.org) the FMU declares and exports, written from the standard's
- * text. */
+/* fmi3.h: the part of FMI 3.0.2 (fmi-standard.org) that the FMU uses, written from the standard's text. */
 #ifndef PALPATE_FMI3_H
 #define PALPATE_FMI3_H
 

@@ -7,7 +7,7 @@
 #include <palpate/sim.h>
 
 /* The variables, by value reference; modelDescription.xml (export_fmu.c) has the same numbers. Metres,
- * newtons and seconds. From MAX_STEP on a lumped model has none but that. */
+ * newtons and seconds. Of those from MAX_STEP on, a lumped model has MAX_STEP only. */
 enum {
     FMU_TIME,
     FMU_DEPTH, /* inputs: of the plate at the start of a step, and its rate during it */
@@ -55,10 +55,10 @@ struct fmu_state {
 /* Makes the network for the present tip, if the model is one and there is none yet. */
 palp_status fmu_prepare(fmi3Instance fmu, palp_error *error);
 
-/* Goes to the initial place at once, as far as there is a load. */
+/* Goes to the initial place at once, if there is a load. */
 palp_status fmu_begin(fmi3Instance fmu);
 
-/* Follows depth and tool for step_s. *done_s: how far it came, also where it fails. */
+/* Follows depth and tool for step_s. *done_s: the time that it reached, also on failure. */
 palp_status fmu_advance(fmi3Instance fmu, double step_s, double *done_s);
 
 #endif

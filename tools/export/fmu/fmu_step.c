@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { HALVINGS = 60 }; /* of the interval with the free surface: to the last bit of a strain */
+enum { HALVINGS = 60 }; /* of the interval that contains the free surface: down to the last bit of a strain */
 
 palp_status fmu_prepare(fmi3Instance fmu, palp_error *error) {
     const double tip_m = fmu->now.value[FMU_TIP_RADIUS];
@@ -25,7 +25,7 @@ palp_status fmu_prepare(fmi3Instance fmu, palp_error *error) {
 
 /* ---- lumped ---- */
 
-/* The plate cannot pull: a specimen that it has left recovers on its own, to where its force is 0. */
+/* The plate cannot pull: after separation the specimen recovers freely, with zero force. */
 static palp_status press_specimen(const palp_material *material, double strain, double dt_s,
                                   palp_element_state *state) {
     palp_element_state next;
