@@ -16,9 +16,9 @@ typedef struct subcommand {
 static const subcommand subcommands[] = {
     {"Indenter", "acquire", "press a specimen and record it, by an indenter or the virtual one", cmd_acquire},
     {NULL, "panel", "a page in the browser to drive an indenter, or the virtual one", cmd_panel},
-    {NULL, "firmware", "an indenter at the bench: what it is, home, tare, gains, clear a fault",
-     cmd_firmware},
-    {NULL, "calibrate-device", "what an indenter is set to; measures and keeps it", cmd_calibrate_device},
+    {NULL, "firmware", "identify, home, tare or test an indenter, or clear its fault", cmd_firmware},
+    {NULL, "calibrate-device", "measure the parameters of an indenter and store them in it",
+     cmd_calibrate_device},
     {NULL, "rig", "the virtual indenter: the firmware, a simulated plant and a specimen", cmd_rig},
     {"Recordings", "import", "other testers' recordings (Mach-1, Instron, CSV) as experiments", cmd_import},
     {NULL, "characterize", "find a lumped model, with 95 % intervals, from raw recordings", cmd_characterize},

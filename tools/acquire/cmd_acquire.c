@@ -91,8 +91,8 @@ static size_t explain_options(choice *c, cli_option *list) {
     const cli_option all[] = {
         cli_heading("Experiments that follow"),
         cli_in("until-explained", "MODEL.json", &c->until.model,
-               "after the runs, palpate explain compares them with this model; the experiment\n"
-               "that it asks for is run, again and again, until one cause is left"),
+               "after the runs, palpate explain compares them with this model and designs an\n"
+               "experiment, which is run; so on, until no effect has look-alikes"),
         cli_positive("budget-s", "S", 1e7, &c->until.time_s,
                      "time of the device for these experiments, s (default: as long as the runs)"),
         cli_count("every", "N", 1, 1e6, &c->until.every,
@@ -135,9 +135,9 @@ static int parse(int argc, char **argv, choice *c) {
         NAME,
         "--port PORT (--static | --ramp-hold MM,... | --cycles N | --sweep |\n"
         "                       --protocol FILE | --thesis-protocol) --out DIR [options]",
-        "Runs a protocol on an indenter and writes each run as an experiment, as it goes: whatever ends\n"
-        "it early, what arrived is kept and says why. Homes the plate, tares the sensor in the air and\n"
-        "finds contact once, before the first run. Exit code 4: the device stopped by a fault.",
+        "Runs a protocol on an indenter and records each run as an experiment. If a run ends early, its\n"
+        "samples are kept with the reason. Homes the plate, tares the sensor in the air and finds contact\n"
+        "once, before the first run. Exit code 4: the device stopped by a fault.",
         "  palpate acquire --port /dev/ttyACM0 --ramp-hold 1.5,3,5 --specimen-height-mm 24 --out runs\n"
         "  palpate acquire --port rig:data/sedef2008/lumped_n2.json --ramp-hold 2,4 --hold-s 20 --out runs\n"
         "  palpate acquire --port rig --thesis-protocol --out runs --json\n"

@@ -80,7 +80,7 @@ static int parse(int argc, char **argv, batch_options *o, const char **words, si
                  "{input}, {name} and {index} are replaced, blanks part its words, a\n"
                  "word with *, ? or [ becomes the files that match it"),
         cli_count("jobs", "N", 1, JOBS_MAX, &o->jobs, "processes at once (default: the processors)"),
-        cli_flag("retry-failed", &o->retry_failed, "do the jobs anew that ended with another status than 0"),
+        cli_flag("retry-failed", &o->retry_failed, "repeat jobs that ended with another status than 0"),
         cli_heading("Output"),
         cli_out_folder("out", "DIR", &o->out, "table.csv index.html slurm.sh",
                        "folder of NAME.out, NAME.err, table.csv, index.html and journal"),
@@ -94,9 +94,9 @@ static int parse(int argc, char **argv, batch_options *o, const char **words, si
     const cli_command command = {
         BATCH_NAME,
         "MANIFEST.json --out DIR | --template COMMAND FILES ... --out DIR",
-        "Runs any command of palpate over many inputs, several at a time. The same command goes on with a\n"
-        "batch that was cut off: jobs that have ended with the same arguments are not done again. What the\n"
-        "jobs print as JSON is put in one table.",
+        "Runs any command of palpate over many inputs, several at a time. The same command resumes a\n"
+        "batch that was interrupted: jobs that ended with the same arguments are not repeated. The JSON\n"
+        "that the jobs print becomes one table.",
         "  palpate batch batch.json --out results\n"
         "  palpate batch --template 'characterize {input} --json' runs/*.csv --out results\n",
         options,

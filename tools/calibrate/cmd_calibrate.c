@@ -118,8 +118,8 @@ static size_t check_options_of(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
         cli_heading("Check under tools (of a finished network, a box)"),
         cli_in("check", "NETWORK.json", &o->check,
-               "instead: press spheres into it and list their force over that of the\n"
-               "solid that it stands for; --out writes it with its \"validity\""),
+               "instead: press spheres into it and list their force relative to that of\n"
+               "the solid that it models; --out writes it with its \"validity\""),
         cli_numbers("tip-radius-mm", "LIST", 1e4, &o->tip_radius_mm,
                     "of the spheres (default 3,5,10 of 24 mm); their depths: --depth-mm\n"
                     "(default 0.5,1,2 of 24 mm)"),

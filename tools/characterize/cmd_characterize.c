@@ -36,9 +36,9 @@ static int parse(int argc, char **argv, characterize_options *o) {
         cli_flag("fit-filtered", &o->fit_filtered,
                  "fit the filtered force instead of the raw one (biased; to compare)"),
         cli_flag("likelihood", &o->likelihood,
-                 "law, arms, contacts and specimens by one likelihood (doc/likelihood.md), which\n"
-                 "predicts better where law and arms are of the right kind; auto is by evidence,\n"
-                 "the law a spline of 31 knots where no other is more probable"),
+                 "law, arms, contacts and specimens by one likelihood (doc/likelihood.md). It\n"
+                 "predicts better where law and arms are of the right kind. auto then chooses by\n"
+                 "evidence; the law is a spline of 31 knots unless another is more probable"),
         cli_heading("Recordings"),
         cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz,
                      "cut-off of the zero-phase Butterworth filter in the figures, Hz\n(default 10, at most "

@@ -40,19 +40,19 @@ static int parse(int argc, char **argv, explain_options *o) {
                   "in all; the time it takes grows with them)"),
         cli_choice("contact", "known|common|free", &o->contact,
                    "whether depth 0 is contact: exactly in every run (known); off by the same in\n"
-                   "all, if at all (common); or off by its own in each, by a scatter that the runs\n"
-                   "tell (free, default)"),
-        cli_heading("When it believes"),
+                   "all, if at all (common); or off by a value of each run, with an estimated\n"
+                   "scatter (free, default)"),
+        cli_heading("Thresholds"),
         cli_count("max-effects", "N", 0, PALP_EXPLAIN_EFFECTS, &o->max_effects,
                   "most effects to add (default 4)"),
         cli_number("false-alarm", "P", 1e-4, 0.5, &o->false_alarm,
                    "chance that an effect is named where none is (default 0.05)"),
         cli_number("good-enough", "PERCENT", 0, 100, &o->good_enough,
-                   "practical limit, of the largest force: what is less is neither named nor missed\n"
-                   "(default 0: none)"),
+                   "practical limit, of the largest force: smaller effects are not named, and\n"
+                   "smaller residuals do not count (default 0: none)"),
         cli_flag("sparse", &o->sparse,
                  "a formula for each free term, of powers, exponentials, hinges and saturations"),
-        cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer is the same"),
+        cli_count("jobs", "N", 1, 64, &o->jobs, "threads (default 1); the answer does not depend on it"),
         cli_heading("Limits of the next experiment"),
         cli_positive("next-depth-mm", "MM", 1000, &o->limits.depth_m,
                      "deepest place of the plate, mm (default: of the runs)"),
@@ -64,20 +64,18 @@ static int parse(int argc, char **argv, explain_options *o) {
                      "rest before each run, s (default: the mean pause between the runs)"),
         cli_heading("Output"),
         cli_out("out", "EXPLAINED.json", &o->out, "the model with the effects"),
-        cli_flag("json", &o->json, "everything that was found as one JSON object on standard output"),
+        cli_flag("json", &o->json, "the whole result as one JSON object on standard output"),
         cli_out("result", "RESULT.json", &o->result,
                 "the same into a file, with its figures, for palpate report"),
-        cli_out("report", "PAGE.html", &o->report, "the story on one page"),
+        cli_out("report", "PAGE.html", &o->report, "the result on one page"),
         cli_out("next", "PROTOCOL.json", &o->next, "the next experiment, for palpate acquire"),
     };
     const cli_command command = {
         NAME,
         "(--model MODEL.json | --simulated SIM.csv ...) RUN.csv ... [options]",
-        "Refits a model to runs, finds where they disagree, names the missing effect from the catalogue, "
-        "adds it and\n"
-        "shows the gap shrink. It may also say that nothing is missing, that two effects cannot be told "
-        "apart and\n"
-        "which experiment would, or that something is missing which it does not know.",
+        "Refits a model to runs, finds where they disagree, names the missing effect from the catalogue and\n"
+        "adds it. The answer can also be that nothing is missing; that the runs do not separate effects,\n"
+        "with an experiment that would; or that the missing effect is not in the catalogue.",
         "  palpate explain --model lumped.json runs/*.csv --out explained.json --report page.html\n"
         "  palpate explain --simulated simulated/*.csv measured/*.csv --report page.html\n",
         options,

@@ -42,10 +42,10 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
                    "the second and third, vega the second and fourth (default: the first)"),
         cli_number("poisson", "NU", 0, 0.49, &o->poisson,
                    "Poisson's ratio (default the model's; 0.25 of springs, 0.45 of a lumped model)"),
-        cli_flag("slide", &o->slides, "the plates slide; else they hold the tissue"),
+        cli_flag("slide", &o->slides, "the plates slide; else they are bonded to the tissue"),
         cli_count("nodes", "N", 2, 64, &o->nodes, "lumped model: nodes a side of its mesh (default 7)"),
         cli_positive("density-kg-m3", "D", 1e5, &o->density_kg_m3,
-                     "of the tissue, where the program wants one (default the model's, or 1000)"),
+                     "of the tissue, if the program needs one (default the model's, or 1000)"),
         cli_heading("Springs"),
         cli_count("table-points", "N", 5, 200, &o->points,
                   "points of each force-elongation table, rounded down to an odd number\n"
@@ -58,7 +58,7 @@ static int parse(int argc, char **argv, export_options *o, const char **model) {
                      "largest increment of a step, as a share of the height (default 0.01)"),
         cli_heading("Output"),
         cli_out("out", "FILE", &o->out, "the deck or scene (default: standard output)"),
-        cli_flag("json", &o->json, "solid: what was fitted, to standard output; needs --out"),
+        cli_flag("json", &o->json, "solid: the fit as JSON on standard output; needs --out"),
     };
     const cli_command command = {
         "export",

@@ -40,16 +40,11 @@ static int parse(int argc, char **argv, firmware_options *o) {
     const cli_command command = {
         NAME,
         "info|status|gains|home|tare|self-test|clear-fault|flash --port PORT [--json]",
-        "Acts on an indenter on the bench. info, status and gains print its identity, its state and its "
-        "table of "
-        "gains.\n"
-        "home finds the home switch; tare zeroes the force in the air; clear-fault leaves a latched fault "
-        "once its\n"
-        "cause is gone. self-test judges sensor, encoder, motor and line; it moves the plate 3 mm and wants "
-        "nothing\n"
-        "below it. flash writes the board's image through the chip's boot loader, by stm32flash, or by "
-        "dfu-util\n"
-        "with --port dfu.",
+        "Acts on an indenter on the bench. info, status and gains print its identity, its state and its\n"
+        "table of gains. home finds the home switch. tare zeroes the force in the air. clear-fault leaves a\n"
+        "latched fault once its cause is gone. self-test checks sensor, encoder, motor and line; it moves\n"
+        "the plate 3 mm and needs free space below. flash writes the board's image through the chip's boot\n"
+        "loader, by stm32flash, or by dfu-util with --port dfu.",
         "  palpate firmware info --port /dev/ttyACM0\n"
         "  palpate firmware clear-fault --port /dev/ttyACM0\n"
         "  palpate firmware flash --port /dev/ttyUSB0\n",

@@ -39,7 +39,7 @@ static int parse(int argc, char **argv, inclusion_options *o) {
         cli_positive("false-alarm", "P", 0.5, &o->false_alarm,
                      "chance that a ball is found where there is none (default 0.05)"),
         cli_count("subdivisions", "N", 0, 4, &o->subdivisions,
-                  "how finely the surface is touched, see doc/simulator.md (default 2)"),
+                  "subdivisions of the surface for contact, see doc/simulator.md (default 2)"),
         cli_heading("Output"),
         cli_out("out", "MODEL.json", &o->out, "the network with the ball as the region \"inclusion\""),
         cli_flag("json", &o->json, "the answer as JSON on standard output"),

@@ -47,8 +47,8 @@ static int parse(int argc, char **argv, options *o) {
     const cli_command command = {
         NAME,
         "[--model MODEL.json] [options]",
-        "Runs the indenter's firmware with a simulated motor, specimen and force sensor, and says at which\n"
-        "port it answers.",
+        "Runs the indenter's firmware with a simulated motor, specimen and force sensor, and prints the\n"
+        "port at which it answers.",
         "  palpate rig --model lumped.json --paced\n"
         "  palpate rig --port tcp:4000 --inject sensor_silent@20 --log truth.csv\n",
         list,

@@ -70,10 +70,10 @@ static int parse(int argc, char **argv, simulate_options *o) {
         cli_out_folder("vtu", "DIR", &o->vtu, "network.pvd network_*.vtu network_*.pvtu",
                        "frames for ParaView, DIR/network.pvd (networks only)"),
         cli_out("checkpoint", "FILE", &o->checkpoint,
-                "the state of a run with --ranks and --dt-ms, to go on from"),
+                "the state of a run with --ranks and --dt-ms, for --restart"),
         cli_count("checkpoint-every", "N", 1, 1e9, &o->checkpoint_every,
                   "write it every N steps (default 1)"),
-        cli_in("restart", "FILE", &o->restart, "go on from such a state with the same options"),
+        cli_in("restart", "FILE", &o->restart, "resume from such a state with the same options"),
         cli_count("vtu-every", "N", 1, 1e9, &o->vtu_every, "write a frame every N steps (default 1)"),
         cli_flag("band", &o->band,
                  "columns force_low_N and force_high_N: 95 % band of the force from the model's\n"
