@@ -1,5 +1,5 @@
 /* infer_anew.c: the search once more, from the model as given and without a discrepancy. Law and discrepancy
- * of a fit may have taken the place of an effect, and leave it nothing to begin with. */
+ * of a fit may have absorbed an effect, so that no residual shows it. */
 #include "explain_fit.h"
 #include "infer_answer.h"
 
@@ -9,7 +9,7 @@
 
 enum { ROUNDS = 3, FINALISTS = 3 };
 
-/* Whether a discrepancy or another law is left beside the fit at hand, which may stand for an effect. */
+/* Whether the current fit has a discrepancy or another law, which may stand for an effect. */
 static palp_status is_left(const infer_search *s, bool *left) {
     const double threshold = infer_threshold(s->settings);
     palp_law nearest;
@@ -39,14 +39,14 @@ typedef struct anew {
     palp_status status[PALP_EFFECT_COUNT];
 } anew;
 
-/* A fit that came to this status: where it cannot be had there is none. */
+/* Frees a fit that failed with this status. */
 static palp_status keep_if_had(infer_fit *fit, palp_status status) {
     if (status && fit->raw)
         infer_fit_free(fit);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* The model as given, beside this effect (NULL: none), without a discrepancy. */
+/* The model as given with this effect (NULL: none), without a discrepancy. */
 static palp_status begin(const infer_search *s, const infer_fit *base, const palp_effect *start,
                          size_t rounds, infer_fit *fit) {
     palp_model model = base->c.model;
@@ -63,8 +63,8 @@ static palp_status begin(const infer_search *s, const infer_fit *base, const pal
     return status;
 }
 
-/* What the model as given leaves: effects begin at that. Where it has no such fit, they begin at what the
- * search has left. */
+/* The residual of the model as given, from which effects begin. If that fit fails, the residual of the search
+ * takes its place. */
 static palp_status find_residual(infer_search *s, const infer_fit *base) {
     infer_fit fit;
     palp_status status = begin(s, base, NULL, 2 * ROUNDS, &fit);
@@ -75,7 +75,7 @@ static palp_status find_residual(infer_search *s, const infer_fit *base) {
     return status;
 }
 
-/* Keeps the start that leaves least. */
+/* Keeps the start with the smallest residual. */
 static palp_status enter(const anew *a, const palp_effect *start, infer_fit *best) {
     infer_fit fit;
     const palp_status status = begin(a->s, a->base, start, 0, &fit);
@@ -115,7 +115,7 @@ static int best_below(const anew *a, double score) {
     return best;
 }
 
-/* The best of all, its noise and its sizes learned; PALP_EFFECT_COUNT: there is none. */
+/* The best of all, with its noise and sizes estimated; PALP_EFFECT_COUNT: there is none. */
 static palp_status find_best(anew *a, int *best) {
     const explain_data *data = &a->s->data;
     int finalist[FINALISTS], i = *best = PALP_EFFECT_COUNT;
@@ -158,7 +158,7 @@ static palp_status copy_step(const infer_search *s, int taken, infer_search *aga
     return PALP_OK;
 }
 
-/* Exchanges the search's end for the other one's. */
+/* Exchanges the ends of two searches. */
 static void exchange(infer_search *s, infer_search *again) {
     const infer_search was = *s;
     s->fit = again->fit;
@@ -173,7 +173,7 @@ static double value(const infer_search *s) {
     return s->fit.score - infer_price(s) * (double)infer_added(s);
 }
 
-/* From this fit on, which is used up. */
+/* Continues from this fit, which it takes over. */
 static palp_status search_from(infer_search *s, infer_fit *fit, int taken) {
     infer_trials_free(s);
     infer_search again = *s;

@@ -3,14 +3,14 @@
 
 #include <math.h>
 
-/* How far an arm's time is from that of arm j of the given model, as a factor. */
+/* Ratio of an arm's time to that of arm j of the given model, at least 1. */
 static double distance_to_given(const infer_search *s, size_t j, double time) {
     const palp_arm *given = &s->data.given->material.arms[j];
     return fabs(log(time * given->stiffness_N / given->viscosity_Ns));
 }
 
-/* The given arm that an exchange with this added one brings nearest to what was given; PALP_ARMS_MAX: none.
- */
+/* The given arm that comes nearest to its given time by an exchange with this added one; PALP_ARMS_MAX:
+ * none. */
 static size_t arm_to_exchange(const infer_search *s, const palp_effect *added) {
     const palp_material *now = &s->fit.c.model.material;
     size_t best = PALP_ARMS_MAX;
@@ -26,7 +26,7 @@ static size_t arm_to_exchange(const infer_search *s, const palp_effect *added) {
     return best;
 }
 
-/* Whether two fits leave the same of all samples: an effect may act on one arm alone. */
+/* Whether two fits have the same residual in all samples: an effect may act on one arm alone. */
 static bool leave_the_same(const infer_fit *a, const infer_fit *b, const explain_data *data) {
     double most = 0.0;
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {

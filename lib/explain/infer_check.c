@@ -26,7 +26,7 @@ static palp_status noise_of_run(const infer_fit *fit, const explain_data *data, 
     return status;
 }
 
-/* Sum of squares of what the run's own and the best step of the parameters leave of run r. */
+/* Sum of squared residuals of run r, after the best step of the parameters and of its own. */
 static palp_status left_of_run(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                                size_t r, size_t at, double *squares) {
     const explain_run *run = &data->run[r];
@@ -68,7 +68,7 @@ static palp_status predict_run(const infer_fit *fit, explain_data *data, size_t 
     return status;
 }
 
-/* The only run without so many of its samples. */
+/* The only run, without these of its samples. */
 static palp_status predict_block(const infer_fit *fit, const explain_data *data, size_t from, size_t n,
                                  infer_fit *work, double *score) {
     unsigned char *use = data->run[0].use + from, *was = malloc(n);

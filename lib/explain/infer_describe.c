@@ -1,4 +1,4 @@
-/* infer_describe.c: the accepted effects: intervals, evidence, and what would do as well. */
+/* infer_describe.c: the accepted effects: intervals, evidence and look-alikes. */
 #include "infer_answer.h"
 #include "base/dense.h"
 #include "base/statistics.h"
@@ -20,8 +20,8 @@ static palp_status find_gain(infer_search *s, const infer_search *rest, palp_exp
     return status;
 }
 
-/* Effects whose odds beside the others at hand are within the threshold of those of the fit at hand. The most
- * probable ones converge as that did, up to the first that is beyond. */
+/* Effects whose odds, conditional on the others, are within the threshold of the current fit's. The most
+ * probable ones are fitted to convergence, up to the first one beyond the threshold. */
 static palp_status find_alike(const infer_search *s, infer_search *rest, palp_explain_effect *out) {
     palp_status status = PALP_OK;
     bool known[PALP_EFFECT_COUNT] = {false};
@@ -69,8 +69,8 @@ static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *ou
     return status == PALP_ERR_STOPPED ? PALP_OK : status;
 }
 
-/* Intervals of 95 %, from the posterior's curvature: of what cannot be negative in its logarithm, and of all
- * else as it is. Where the forces jump by it, from the posterior itself. */
+/* Intervals of 95 %, from the posterior's curvature: in the logarithm for parameters that cannot be negative.
+ * For a parameter by which the forces jump, from the posterior itself. */
 static palp_status find_intervals(const infer_search *s, size_t at, palp_explain_effect *out) {
     infer_posterior p;
     palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
@@ -100,8 +100,8 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
     return unit ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-/* Variance of a run's amplitude, whose direction in sine and cosine is own, and what the run tells of the
- * frequency, s^2: the phase being its own, (2 pi amplitude)^2 over that variance times the variance of the
+/* Variance of a run's amplitude along own, its direction in sine and cosine; and the run's information on the
+ * frequency, s^2. With a free phase this is (2 pi amplitude)^2 over that variance times the variance of the
  * times (Rife and Boorstyn, IEEE Trans. Inf. Theory 20 (1974) 591). */
 static double hum_variance(const explain_run *run, const double own[2], double sine, double cosine,
                            double both, double *frequency) {
@@ -113,7 +113,7 @@ static double hum_variance(const explain_run *run, const double own[2], double s
     return variance;
 }
 
-/* The mains' hum: frequency and mean amplitude of the runs' own. */
+/* The mains' hum: frequency, and mean amplitude over the runs. */
 static palp_status find_hum(const infer_search *s, palp_explain_effect *out) {
     enum { B = INFER_BLOCK, S = INFER_SINE, C = INFER_COSINE };
     infer_posterior p;

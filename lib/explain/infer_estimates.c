@@ -1,6 +1,4 @@
-/* infer_estimates.c: what the posterior says of a material, its runs and its specimens, as the caller gets
- * it.
- */
+/* infer_estimates.c: the posterior of a material, its runs and its specimens, in the caller's form. */
 #include "base/dense.h"
 #include "base/file.h"
 #include "base/statistics.h"
@@ -126,8 +124,8 @@ static double shared_contact(const infer_search *s) {
     return 0.0;
 }
 
-/* What the runs leave and have of their own, in the order of the inputs; a part of another one has nothing.
- */
+/* Residuals and own parameters of the runs, in the order of the inputs; an input that continues another run
+ * has none. */
 static palp_status fill_runs(infer_search *s, const infer_posterior *p, size_t n,
                              const palp_explain_input *inputs, palp_lumped_fit *out) {
     out->n_runs = n;
@@ -162,7 +160,7 @@ static palp_status fill_runs(infer_search *s, const infer_posterior *p, size_t n
 
 /* ---- specimens ---- */
 
-/* Each specimen's material and the factor on its law; the mean of what their runs leave open, within[SPECIMEN
+/* Each specimen's material and the factor on its law; the mean covariance of their estimates, within[SPECIMEN
  * SPECIMEN]. */
 static palp_status fill_each(const infer_search *s, const infer_posterior *p, palp_specimens_fit *out,
                              double *within) {
@@ -186,7 +184,7 @@ static palp_status fill_each(const infer_search *s, const infer_posterior *p, pa
     return status;
 }
 
-/* What their own leave of the mean is known by as many specimens as there are: Student's t. */
+/* The variance of the mean is estimated from few specimens: Student's t. */
 static void widen(const infer_search *s, palp_specimens_fit *out) {
     const size_t n = out->mean.n_parameters;
     const double t = statistics_student_widening(out->n_specimens - 1);

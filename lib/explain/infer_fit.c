@@ -8,7 +8,7 @@
 
 static const double TURN = 6.28318530717958647692;
 static const double WIDE = 3.0;   /* prior sd of a logarithm: a factor of 20 */
-static const double FIXED = 1e-6; /* and of one that is known: less than any run tells */
+static const double FIXED = 1e-6; /* and of one that is fixed: below the accuracy of any run */
 
 palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, palp_law *spline) {
     double strain[PALP_LAW_MAX], stiffness[PALP_LAW_MAX], typical;
@@ -21,7 +21,7 @@ palp_status infer_spline_of(const palp_law *law, size_t knots, double deepest, p
     return palp_law_spline(knots, strain, stiffness, spline);
 }
 
-/* A bond's parameters are looked at in all that the runs leave open of them. */
+/* A bond's parameters are evaluated on a grid over their whole posterior. */
 static void open_bond(infer_fit *fit, const explain_data *data, const effect_row *row, size_t p, size_t a) {
     const double hidden =
         data->run[0].white / sqrt((double)explain_samples(data)) * data->deepest / data->peak;
@@ -47,8 +47,7 @@ static void set_priors(infer_fit *fit, const explain_data *data) {
         fit->c.low[a] = fit->c.high[a] = fit->c.x[a];
         fit->width[a] = FIXED;
     }
-    double typical =
-        0.0; /* the law is smooth about a constant: how it bends in the given model is no prior */
+    double typical = 0.0; /* the prior is a constant law, whatever the bends of the given model */
     for (size_t a = 0; a < m->law.n && spline; a++)
         typical += log(m->law.coefficients[a]) / (double)m->law.n;
     for (size_t a = 0; a < m->law.n && spline; a++) {
@@ -78,7 +77,7 @@ static void set_priors(infer_fit *fit, const explain_data *data) {
     }
 }
 
-/* What is known of the coordinates by which the forces jump, of effects that both fits have. */
+/* Copies the posteriors of coordinates by which the forces jump, for effects that both fits have. */
 static void take_scans(const infer_fit *from, infer_fit *fit) {
     const palp_model *a = &from->c.model, *b = &fit->c.model;
     for (size_t i = 0; i < a->n_effects && i < b->n_effects && a->effects[i].id == b->effects[i].id; i++)
@@ -107,7 +106,8 @@ void infer_noise_begin(infer_fit *fit, const explain_data *data) {
     infer_steps_find(fit, data);
 }
 
-/* What fit->raw has room for: columns, products, the specimens' own, and what the noise depends on. */
+/* The size of fit->raw: columns, products, the specimens' parameters, and the slopes that the noise depends
+ * on. */
 static size_t room(const infer_fit *fit, const explain_data *data) {
     return data->n * (fit->m + sizeof *fit->sample / sizeof(double)) +
            data->n_runs * (fit->m * fit->m + INFER_SPECIMEN);
@@ -224,8 +224,8 @@ static palp_status make_own(const infer_fit *fit, const explain_run *run, size_t
     return status ? status : explain_resize(model, run);
 }
 
-/* The gradient by the population's coefficients from that by the specimen's, and what the specimen has of its
- * own: column[INFER_SPECIMEN n]. */
+/* The gradient by the population's coefficients from that by the specimen's; column[INFER_SPECIMEN n]: that
+ * by the specimen's own parameters. */
 static void take_specimen(const infer_fit *fit, const explain_run *run, size_t r, double *gradient,
                           double *column) {
     const palp_material *m = &fit->c.model.material;
@@ -249,8 +249,8 @@ static void take_specimen(const infer_fit *fit, const explain_run *run, size_t r
     }
 }
 
-/* How the force follows a depth that is new: as it follows the contact, and by what the arms have forgotten
- * since the plate met the surface. */
+/* Derivative of the force by a change of depth at one sample: that of the contact, and the part that the arms
+ * have relaxed since the plate met the surface. */
 static void take_slopes(const explain_run *run, const palp_model *own, const double *force,
                         const double *contact, infer_sample *sample) {
     const palp_material *m = &own->material;
@@ -271,7 +271,7 @@ static void take_slopes(const explain_run *run, const palp_model *own, const dou
     }
 }
 
-/* What is left of run r about which its columns are linear. */
+/* The residual of run r at the point about which its columns are linear. */
 static void take_residual(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
                           double *out) {
     const explain_run *run = &data->run[r];
@@ -390,7 +390,7 @@ size_t infer_active_columns(const infer_fit *fit, size_t *list) {
     return n;
 }
 
-/* What the tails add to the bound of the evidence. */
+/* The contribution of the tails to the bound of the evidence. */
 static double tails(const infer_fit *fit, const explain_run *run, const infer_sample *sample) {
     double sum = 0.0, n = 0.0;
     for (size_t i = 0; i < run->n; i++)
@@ -467,7 +467,7 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
             double left = raw[(fit->m - 1) * n + i], taken = 0.0;
             for (size_t a = 0; a < INFER_OWN; a++)
                 left -= own[a] * own_column[a * n + i];
-            for (size_t a = 0; a < fit->k; a++) /* what the runs have of their own goes with this step */
+            for (size_t a = 0; a < fit->k; a++) /* the runs' own parameters change with this step */
                 left -= p.mean[INFER_HATS + a] * raw[a * n + i];
             for (size_t a = 0; a < INFER_SPECIMEN; a++)
                 left -= specimen[a] * own_column[(INFER_BLOCK + a) * n + i];

@@ -1,4 +1,4 @@
-/* infer_law.c: whether the runs ask for a law beyond the family of the given one. */
+/* infer_law.c: evidence of a law beyond the family of the given one. */
 #include "infer_answer.h"
 #include "base/dense.h"
 
@@ -97,7 +97,7 @@ static double project(size_t n, size_t p, const double *m, const double *slope, 
     return square;
 }
 
-/* The square that the nearest law of the family leaves, and the normal matrix of its coefficients there. */
+/* The squared distance of the nearest law of the family, and the normal matrix of its coefficients there. */
 static double find_nearest(const law_posterior *law, const palp_law *knots, double least, palp_law *nearest,
                            double *h) {
     enum { STEPS = 30 };
@@ -141,7 +141,7 @@ static double log_determinant(size_t n, double *a) {
 }
 
 /* The prior of the spline on the laws of a family, linear about one of them: precision m[p p] of the
- * coefficients, and its slope[p] there, by which the coefficients are off its mean. */
+ * coefficients, and its slope[p] there, as the coefficients differ from its mean. */
 static palp_status family_prior(const infer_fit *fit, const explain_data *data, const palp_law *given,
                                 double *m, double *pull) {
     const palp_law *knots = &fit->c.model.material.law;
@@ -183,7 +183,7 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
         const double square = find_nearest(law, knots, SOFTEST * fabs(typical), nearest, after);
         *nats = 0.5 * (square + log_determinant(p, after) - log_determinant(p, before) -
                        log_determinant(n, law->precision) + log_determinant(n, law->prior));
-        if (!isfinite(*nats)) /* a coefficient that neither prior nor posterior knows */
+        if (!isfinite(*nats)) /* a coefficient that neither prior nor posterior determines */
             *nats = 0.0;
     }
     free(law);
@@ -192,8 +192,8 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
 
 /* ---- the family's own fit ---- */
 
-/* What the spline's prior adds to the log evidence of a family's fit in place of its wide one: s[p p] is the
- * posterior precision of its coefficients. NAN: that is not definite. */
+/* The change of the log evidence of a family's fit when the spline's prior takes the place of its wide one:
+ * s[p p] is the posterior precision of its coefficients. NAN: that is not definite. */
 static palp_status weigh_prior(const infer_fit *spline, const explain_data *data, const palp_law *law,
                                const double *s, double *gain) {
     enum { N = PALP_LAW_MAX };
@@ -244,7 +244,7 @@ static palp_status weigh_family(const infer_fit *spline, const infer_fit *fit, c
     return status || isfinite(*score) ? status : PALP_ERR_SINGULAR;
 }
 
-/* The fit at hand with the family's law that is nearest, and with the given drive; the rms that it leaves. */
+/* The current fit with the nearest law of the family and the given drive; its rms residual. */
 static palp_status fit_given(const infer_search *s, const palp_material *given, const palp_law *law,
                              infer_fit *fit, double *rms_N) {
     palp_model model = s->fit.c.model;
@@ -312,7 +312,7 @@ palp_status infer_law_find(const infer_search *s, const palp_model *given, palp_
 
 /* ---- a law for a material ---- */
 
-/* The fit at hand with another law, settled anew. */
+/* The current fit with another law, converged again. */
 static palp_status settle_with(const infer_search *s, const palp_law *law, infer_fit *fit) {
     enum { ROUNDS = 3 };
     palp_model model = s->fit.c.model;
@@ -329,8 +329,8 @@ static palp_status settle_with(const infer_search *s, const palp_law *law, infer
     return status;
 }
 
-/* Log odds of the fit at hand over the law, nats, and the nearest of its family. A spline of fewer knots is
- * given by its knots alone: it is through the one at hand. */
+/* Log odds of the current fit over the law, nats, and the nearest law of its family. A spline of fewer knots
+ * has only its knots given; its values are those of the current spline. */
 static palp_status judge(const infer_search *s, const palp_law *law, palp_law *nearest, double *nats) {
     const palp_law *spline = &s->fit.c.model.material.law;
     if (law->kind != PALP_LAW_SPLINE)

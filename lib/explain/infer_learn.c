@@ -12,10 +12,10 @@ typedef struct learning {
     infer_fit *fit;
     const explain_data *data;
     unsigned n;        /* sizes that are learned */
-    infer_noise start; /* coordinates are logarithms of what is now over what it was at the start */
-    double promised;   /* at the start: so that a unit changes nothing */
+    infer_noise start; /* coordinates are logarithms of the sizes, relative to those at the start */
+    double promised;   /* at the start: so that units do not matter */
     double least;      /* chi2 so far */
-    bool best;         /* what was evaluated last is the best so far */
+    bool best;         /* the last evaluation is the best so far */
 } learning;
 
 static double *size_of(infer_noise *noise, int a) {
@@ -67,7 +67,7 @@ static size_t combine(const infer_fit *fit, const double *mean, double *covarian
     return count;
 }
 
-/* Adds what run r says. room: as infer_noise_slopes makes it. */
+/* Adds the contribution of run r. room: as infer_noise_slopes makes it. */
 static palp_status add_run(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                            const double *raw, const infer_sample *sample, double *room, double *slope,
                            double *information) {
@@ -133,8 +133,8 @@ static void keep(void *user) {
     ((learning *)user)->best = true;
 }
 
-/* Bounds: no noise is larger than the largest force. None is seen that is smaller than the error of the mean
- * of all samples. */
+/* Bounds: no noise is larger than the largest force, and none smaller than the error of the mean of all
+ * samples can be seen. */
 static void bound(learning *l, bool anew, double *x, double *low, double *high) {
     const explain_data *data = l->data;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));

@@ -1,4 +1,4 @@
-/* infer_material.c: a lumped solid from runs: a law, and as many arms as the evidence wants. */
+/* infer_material.c: a lumped solid from runs: a law, and the number of arms with the largest evidence. */
 #include <palpate/explain.h>
 
 #include "base/file.h"
@@ -58,7 +58,7 @@ static palp_status find_arms(infer_search *s, size_t least, size_t most) {
             !(arm->fit.raw && arm->gain > drive->gain))
             status = take_drive(s, drive, &taken);
         if (!status && !taken && arm->fit.raw &&
-            has_arm(arm)) /* near the fit at hand it may gain too little */
+            has_arm(arm)) /* near the current fit it may gain too little */
             status = take_arm(s, arm, wanted ? -HUGE_VAL : threshold + infer_price(s), &taken);
     }
     return status;
@@ -106,7 +106,7 @@ static palp_status start(infer_search *s, palp_model *model, const palp_explain_
     return status ? status : infer_begin(&s->fit, &s->data, s->settings);
 }
 
-/* The fit at hand without arm j, near to its best parameters; raw NULL: there is none. */
+/* The current fit without arm j, near its best parameters; raw NULL: there is none. */
 static palp_status take_out(const infer_search *s, size_t j, infer_fit *fit) {
     enum { EVALUATIONS = 3 };
     const infer_fit *with = &s->fit;
@@ -130,7 +130,7 @@ static palp_status take_out(const infer_search *s, size_t j, infer_fit *fit) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* The fit without the arm that is missed least; raw NULL: there is none. */
+/* The fit without the arm whose evidence is smallest; raw NULL: there is none. */
 static palp_status find_needless(const infer_search *s, infer_fit *best) {
     palp_status status = PALP_OK;
     memset(best, 0, sizeof *best);
@@ -148,7 +148,7 @@ static palp_status find_needless(const infer_search *s, infer_fit *best) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* Takes out arms that gain less than an added one has to, and those that are too many. */
+/* Removes arms whose evidence is below the threshold, and those that are too many. */
 static palp_status drop_arms(infer_search *s, size_t least, size_t most) {
     const double wanted = infer_threshold(s->settings) + infer_price(s);
     palp_status status = PALP_OK;
@@ -188,7 +188,7 @@ static palp_status characterize(infer_search *s, palp_model *model, size_t n,
     return status ? status : infer_estimates_fill(s, n, inputs, fit);
 }
 
-/* Of runs that dwell, the dwells alone. */
+/* Keeps the dwells only, of runs that have them. */
 static void use_dwells(explain_data *data) {
     for (size_t r = 0; r < data->n_runs; r++) {
         explain_run *run = &data->run[r];

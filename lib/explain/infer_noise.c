@@ -1,4 +1,5 @@
-/* infer_noise.c: one Kalman filter that makes the noise of a run white; what is independent in it. */
+/* infer_noise.c: one Kalman filter that makes the noise of a run white; the variance of its independent
+ * part. */
 #include "infer_internal.h"
 #include "base/dense.h"
 
@@ -7,12 +8,12 @@
 
 enum { S = INFER_STATES, ENCODER = INFER_SLOW };
 
-/* What the filter keeps of a sample. row: how the force reads the states. */
+/* The filter's numbers for a sample. row: derivative of the force by the states. */
 typedef struct kept {
     double decay[S], gain[S], row[S], sd; /* sd: 0 without use */
 } kept;
 
-/* One step in time: how far each process decays, and the variance that it gains. */
+/* One step in time: the decay of each process, and the variance that it gains. */
 typedef struct infer_step {
     double dt, decay[S], gained[S];
 } infer_step;
@@ -131,8 +132,8 @@ double infer_whiten(const infer_noise *noise, size_t n, const double *time, cons
 
 /* ---- backwards: the disturbance smoother (de Jong, J. Am. Stat. Assoc. 84 (1989) 1085) ---- */
 
-/* v: how certain the samples from this one on are of each state, before it is stepped to the sample before.
- * Returns that of what is independent in the sample. */
+/* v: information of the samples from this one on about each state, before the step back to the sample before.
+ * Returns that about the independent noise of the sample. */
 static double look_back(const kept *k, double v[S][S]) {
     double turned[S], square = k->sd > 0.0 ? 1.0 / (k->sd * k->sd) : 0.0;
     for (int a = 0; a < S; a++) {
@@ -153,8 +154,8 @@ static void step_back(const kept *k, double v[S][S]) {
             v[a][b] *= k->decay[a] * k->decay[b];
 }
 
-/* One whitened sample of all columns, x[count], becomes the covariance's inverse times them; r[S count]: what
- * the samples from this one on pull at the states. */
+/* One whitened sample of all columns, x[count], becomes the covariance's inverse times them; r[S count]: the
+ * score of the states by the samples from this one on. */
 static void pull_back(const kept *k, size_t count, double *restrict r, double *restrict x) {
     const double weight = k->sd > 0.0 ? 1.0 / k->sd : 0.0;
     for (size_t c = 0; c < count; c++)
@@ -179,8 +180,8 @@ void infer_unwhiten(size_t n, const double *work, double *x, double *inverse) {
     }
 }
 
-/* Variances that half of each size's logarithm changes by themselves: of what is independent, and of what the
- * states gain from sample i - 1 to i. */
+/* Derivatives of variances by half of each size's logarithm: of the independent noise, and of the states'
+ * gain from sample i - 1 to i. */
 static void find_parts(const infer_noise *noise, size_t i, const infer_sample *sample, const kept *k,
                        double part[INFER_NOISES]) {
     const double depth = sample->by_depth * noise->depth, clock = sample->by_time * noise->clock,
@@ -241,7 +242,7 @@ void infer_variance(const infer_fit *fit, size_t n, const infer_sample *sample, 
 
 /* A precision w has a gamma distribution of shape and rate freedom / 2; q of it, of shape (freedom + 1) / 2,
  * is the nearest to its posterior. The bound of the evidence has the expected log of the prior over q, less
- * what the determinant with the expected precision has too much: 0 for a normal distribution. */
+ * the excess of the determinant with the expected precision: 0 for a normal distribution. */
 double infer_tail_evidence(double freedom, double certain) {
     const double half = 0.5 * freedom, more = half + 0.5;
     return lgamma(more) - lgamma(half) - half * log(more / half) + more - 0.5 * log(more) +

@@ -1,5 +1,5 @@
-/* infer_normal.c: what the products of the whitened columns say of parameters and discrepancy, and the
- * evidence. */
+/* infer_normal.c: the posterior of parameters and discrepancy from the products of the whitened columns, and
+ * the evidence. */
 #include "infer_internal.h"
 #include "base/dense.h"
 
@@ -21,21 +21,21 @@ static size_t outer_column(const infer_fit *fit, size_t a) {
                           : fit->k + INFER_BLOCK + (a - g - 1);
 }
 
-/* Precision that holds what has this sd where the columns are, if the fit wants it. No run tells a hundred
- * thousandth of the sd; of sixteen digits six are left to the density. */
+/* Precision that fixes a parameter of this sd at the value of the columns, if the fit asks for it. It is a
+ * hundred thousandth of the sd, below any run's accuracy; six of sixteen digits remain for the density. */
 static double hold(const infer_fit *fit, double sd) {
     return fit->held && sd > 0.0 ? 1e10 / (sd * sd) : 0.0;
 }
 
-/* The same for one of a run's own, and where its column is. 0: the column is alike everywhere. */
+/* The same for a parameter of a run, and the value of its column. 0: the column is linear. */
 static double hold_own(const infer_fit *fit, size_t own, size_t r, double *place) {
     const bool gain = own == INFER_GAIN && explain_bends(&fit->c.model);
     *place = gain ? fit->c.gain[r] : fit->c.contact[r];
     return gain || own == INFER_CONTACT ? hold(fit, fit->sizes.own[own]) : 0.0;
 }
 
-/* Cholesky factor l[BLOCK BLOCK] of the posterior precision of a run's own, given the global ones; and the
- * log determinant of its prior. false: not definite. */
+/* Cholesky factor l[BLOCK BLOCK] of the posterior precision of a run's parameters, conditional on the global
+ * ones; and the log determinant of its prior. false: not definite. */
 static bool own_factor(const infer_fit *fit, size_t r, double *l, double *log_prior) {
     enum { B = INFER_BLOCK };
     const double *product = fit->product + r * fit->m * fit->m;
@@ -63,7 +63,7 @@ static bool own_factor(const infer_fit *fit, size_t r, double *l, double *log_pr
     return dense_cholesky(B, l);
 }
 
-/* Whether a column of the block has no size: it takes nothing. */
+/* Whether a column of the block has no size, so that its coefficient is 0. */
 static bool is_off(const infer_fit *fit, size_t a) {
     if (a < INFER_OWN)
         return !(fit->sizes.own[a] > 0.0);
@@ -81,7 +81,8 @@ static bool in_mean(const infer_fit *fit, const explain_data *data, size_t r) {
            fit->sizes.own[INFER_CONTACT] > 0.0;
 }
 
-/* cross[BLOCK outer]: run r's own beside the outer columns; beside the multiplier its contact has 1. */
+/* cross[BLOCK outer]: products of run r's parameters with the outer columns; with the multiplier its contact
+ * has 1. */
 static void own_cross(const infer_fit *fit, const explain_data *data, size_t r, size_t outer, double *cross) {
     const double *product = fit->product + r * fit->m * fit->m;
     const size_t s = INFER_HATS + fit->k + 1;
@@ -100,8 +101,8 @@ static void own_cross(const infer_fit *fit, const explain_data *data, size_t r, 
     cross[(s - 1) * INFER_BLOCK + INFER_CONTACT] = in_mean(fit, data, r) ? 1.0 : 0.0;
 }
 
-/* Adds run r's part, with its own eliminated, to the outer matrix a[outer outer]; and to the log determinants
- * of posterior and prior. cross: [(BLOCK + outer) outer] */
+/* Adds run r, with its own parameters eliminated, to the outer matrix a[outer outer]; and to the log
+ * determinants of posterior and prior. cross: [(BLOCK + outer) outer] */
 static bool add_run(const infer_fit *fit, const explain_data *data, size_t r, size_t outer, double *a,
                     double *cross, double det[2]) {
     const double *product = fit->product + r * fit->m * fit->m;
@@ -137,7 +138,7 @@ static size_t specimen_room(size_t g) {
     return SPECIMEN_SQUARE + INFER_SPECIMEN * (g + 1);
 }
 
-/* The specimen's own out of a[outer outer], lower triangle; keep[specimen_room]. */
+/* Eliminates the specimen's parameters from a[outer outer], lower triangle; keep[specimen_room]. */
 static bool take_specimen(const infer_fit *fit, const double *place, size_t g, double *a, double *keep,
                           double det[2]) {
     enum { S = INFER_SPECIMEN };
@@ -164,9 +165,9 @@ static bool take_specimen(const infer_fit *fit, const double *place, size_t g, d
     return true;
 }
 
-/* Adds the runs from .. to - 1 of one specimen to a[(g + 1) (g + 1)], where g has the multiplier too. One of
- * which no run is fitted has its own all the same, but adds nothing. inner: [(g + SPECIMEN + 1) (g + SPECIMEN
- * + 1)]. */
+/* Adds the runs from .. to - 1 of one specimen to a[(g + 1) (g + 1)], where g has the multiplier too. One
+ * without a fitted run has parameters too, but adds nothing. inner: [(g + SPECIMEN + 1) (g + SPECIMEN +
+ * 1)]. */
 static bool add_specimen(const infer_fit *fit, const explain_data *data, size_t from, size_t to, double *a,
                          double *inner, double *cross, infer_posterior *p) {
     enum { S = INFER_SPECIMEN };
@@ -205,8 +206,8 @@ static void drop_absent(const infer_fit *fit, size_t n, double *a) {
     }
 }
 
-/* The multiplier out of a[(g + 2) (g + 2)], which becomes [(g + 1) (g + 1)]: the contacts then average 0.
- * Their prior is normal under that condition too. */
+/* Eliminates the multiplier from a[(g + 2) (g + 2)], which becomes [(g + 1) (g + 1)]: the contacts then
+ * average 0. Their prior is normal under that condition too. */
 static void take_mean(const infer_fit *fit, const explain_data *data, infer_posterior *p, double *a) {
     const size_t g = p->g, n = g + 2;
     const double curvature = -a[g * n + g];
@@ -227,9 +228,9 @@ static void take_mean(const infer_fit *fit, const explain_data *data, infer_post
     }
 }
 
-/* p->turn, and the hats of a[e e] without what a step of the law follows of them: the discrepancy is what the
- * law does not follow (Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274). q: the parameters' prior precision;
- * work[k (k + e)]. */
+/* p->turn, and the hats of a[e e] made orthogonal to steps of the law: the discrepancy is what the law cannot
+ * follow (Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274). q: the parameters' prior precision; work[k (k +
+ * e)]. */
 static palp_status turn_hats(const infer_fit *fit, const infer_posterior *p, const double *q, double *work,
                              double *a) {
     const size_t k = fit->k, n = fit->c.model.material.law.n, e = p->g + 1;
@@ -279,7 +280,7 @@ static palp_status solve(const infer_fit *fit, const explain_data *data, infer_p
             p->chi2 += (fit->c.x[i] - fit->given[i]) * q[i * k + j] * off;
         }
     for (size_t i = 0; i < k; i++)
-        if (fit->scan[i].jumps) { /* it is at the median, and what that leaves open was looked at */
+        if (fit->scan[i].jumps) { /* it is at the median, and its posterior is known */
             a[g * e + INFER_HATS + i] = 0.0;
             if (fit->scan[i].spread > 0.0)
                 a[(INFER_HATS + i) * (e + 1)] = TURN / (fit->scan[i].spread * fit->scan[i].spread);
@@ -349,8 +350,8 @@ double infer_log_evidence(const infer_fit *fit, const infer_posterior *p, double
     return infer_bends_evidence(fit) - 0.5 * (chi2 + fit->log_noise + p->log_det - p->log_prior);
 }
 
-/* -d own / d global of the specimen of run r: slope[SPECIMEN (g + 2)], the multiplier's after the global
- * ones, and the best own without a step as the last column. */
+/* Minus the derivative of the parameters of run r's specimen by the global ones: slope[SPECIMEN (g + 2)].
+ * That by the multiplier follows; the best values without a step are the last column. */
 static const double *specimen_slope(const infer_posterior *p, size_t r, double *slope) {
     const double *keep = p->specimen + r * specimen_room(p->g + 1);
     memcpy(slope, keep + SPECIMEN_SQUARE, INFER_SPECIMEN * (p->g + 2) * sizeof *slope);
@@ -359,8 +360,8 @@ static const double *specimen_slope(const infer_posterior *p, size_t r, double *
 }
 
 /* Of n that depend on the global ones by -x[n (g + 2)] (a column after the other; the multiplier's, and their
- * values without a step, last): mean[n] at the posterior; covariance[n n] += what the multiplier takes away
- * and what the global ones add. x is used up. */
+ * values without a step, last): mean[n] at the posterior; covariance[n n] += the changes by the multiplier
+ * and by the global ones. x is overwritten. */
 static palp_status add_global(const infer_posterior *p, size_t n, double *x, double *mean,
                               double *covariance) {
     const size_t g = p->g;

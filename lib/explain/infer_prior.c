@@ -45,8 +45,8 @@ double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *
     return any ? -dense_log_determinant(N, sum) : 0.0;
 }
 
-/* r.m.s. force over r.m.s. column of parameter p: the strength that changes the forces by their own size. One
- * by which they jump is a force, and the largest change that it makes. */
+/* r.m.s. force over r.m.s. column of parameter p: the strength that changes the forces by their own size. A
+ * parameter by which they jump is a force, which is the largest change by itself. */
 static double strength_of(const infer_fit *fit, const explain_data *data, size_t p) {
     double force = 0.0, column = 0.0;
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
@@ -66,7 +66,7 @@ palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *
     memset(q, 0, k * k * sizeof *q);
     for (size_t a = 0; a < k; a++) {
         double sd = fit->width[a] > 0.0 ? fit->width[a] : strength_of(fit, data, a);
-        if (!isfinite(sd)) /* it changes nothing here: any value is as good */
+        if (!isfinite(sd)) /* it changes nothing here: any value will do */
             sd = fit->c.unit[a];
         q[a * k + a] = 1.0 / (sd * sd);
     }
@@ -89,7 +89,7 @@ palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *
 
 /* The bends' precisions have independent gamma distributions of shape and rate 1/2 (the bends' is Cauchy's
  * then); q of each, of shape 1, is the nearest to its posterior. The bound of the evidence has the expected
- * log of the prior over q, less what the determinant with the expected precision has too much. */
+ * log of the prior over q, less the excess of the determinant with the expected precision. */
 double infer_bends_evidence(const infer_fit *fit) {
     const palp_law *law = &fit->c.model.material.law;
     double sum = 0.0;

@@ -1,4 +1,4 @@
-/* infer_remains.c: what the runs have of their own, and what no term of the model follows. */
+/* infer_remains.c: scatter of the runs' parameters, and the discrepancy. */
 #include "infer_answer.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 static const double TURN = 6.28318530717958647692;
 
-/* Parameters, sizes and noise of a fit of which something was just taken out. */
+/* Refits parameters, sizes and noise after a part of the fit was removed. */
 static palp_status learn_without(infer_fit *fit, const explain_data *data) {
     palp_status status = infer_fit_improve(fit, data, 5);
     if (!status)
@@ -15,7 +15,7 @@ static palp_status learn_without(infer_fit *fit, const explain_data *data) {
     return status ? status : infer_noise_learn(fit, data, 15, true);
 }
 
-/* The parameters that leave least: a discrepancy could take any share of what they leave. */
+/* The parameters with the smallest residual; a discrepancy could absorb any share of it. */
 static palp_status leave_least(infer_fit *fit, const explain_data *data) {
     enum { ROUNDS = 8 };
     return infer_fit_anneal(fit, data, ROUNDS);
@@ -23,7 +23,7 @@ static palp_status leave_least(infer_fit *fit, const explain_data *data) {
 
 typedef palp_status refit(infer_fit *fit, const explain_data *data);
 
-/* An effect that is of all runs what each has of its own, unless the model has it. */
+/* The effect of all runs that corresponds to a parameter of each run, unless the model has it. */
 static void share(palp_model *model, palp_effect_id id, double value) {
     for (size_t i = 0; i < model->n_effects; i++)
         if (model->effects[i].id == id)
@@ -35,7 +35,7 @@ static void share(palp_model *model, palp_effect_id id, double value) {
     effect->value[0] = value;
 }
 
-/* Means of the runs' own, [INFER_OWN]; square: sums of their squares about these. */
+/* Means of the runs' parameters, [INFER_OWN]; square: sums of their squares about these. */
 static palp_status find_means(const infer_search *s, double mean[INFER_OWN], double square[INFER_OWN]) {
     infer_posterior p;
     double own[INFER_BLOCK], n = 0.0;
@@ -58,8 +58,8 @@ static palp_status find_means(const infer_search *s, double mean[INFER_OWN], dou
 }
 
 /* The fit at hand with one zero, contact or gain for all runs where common says so, refitted by this: that of
- * the model, or another one (mean, NULL: not tried), if it is more probable. The law takes a gain in. What
- * the runs keep of their own may take over from what they lose. */
+ * the model, or another one (mean, NULL: not tried), if it is more probable. The law absorbs a gain. The
+ * remaining parameters of the runs may absorb those that are removed. */
 static palp_status refit_in_common(const infer_search *s, const bool common[INFER_GAIN + 1], refit *by,
                                    const double *mean, infer_fit *fit) {
     palp_model model = s->fit.c.model;
@@ -121,14 +121,14 @@ static palp_status find_least(const infer_search *s, const bool common[INFER_GAI
     return status;
 }
 
-/* What the three kinds are judged by: the runs' own, and the least rms that they leave all together. */
+/* The basis of all three verdicts: the runs' parameters, and the smallest rms residual with all of them. */
 typedef struct scatters {
     double mean[INFER_OWN], square[INFER_OWN], with;
     bool known;   /* with is */
     double *work; /* [2 data.n] */
 } scatters;
 
-/* What the runs have of their own of one kind, beside one of it for all of them. */
+/* The scatter of one kind of parameters, against one value for all runs. */
 static palp_status find_scatter(const infer_search *s, int which, const scatters *all,
                                 palp_explain_scatter *out) {
     bool common[INFER_GAIN + 1] = {false};
@@ -194,7 +194,7 @@ palp_status infer_without_discrepancy(const infer_search *s, infer_fit *without)
     return status;
 }
 
-/* Evidence of the discrepancy: what the fit loses without it, its noise learned anew, nats. */
+/* Evidence of the discrepancy: the loss of the fit without it, with the noise estimated again, nats. */
 static palp_status find_evidence(const infer_search *s, double *nats) {
     infer_fit without;
     palp_status status = infer_without_discrepancy(s, &without);

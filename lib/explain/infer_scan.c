@@ -1,5 +1,6 @@
-/* infer_scan.c: the posterior of a bond's parameters. The force jumps where a plate lets go, and no column
- * says where that is: so it is looked at place by place. All other parameters are integrated out at each. */
+/* infer_scan.c: the posterior of a bond's parameters. The force jumps where a plate lets go, so it has no
+ * derivative by them. The posterior is evaluated on a grid, with all other parameters integrated out at each
+ * point. */
 #include "infer_internal.h"
 
 #include <math.h>
@@ -8,24 +9,25 @@
 
 enum { PLACES = 16, OTHERS = 12 }; /* of the strength, and of the bond's other parameter */
 
-static const double NEGLIGIBLE = 7.0; /* nats below the most probable place: no more than a thousandth */
+static const double NEGLIGIBLE = 7.0; /* nats below the most probable point: a density of less than a
+                                         thousandth */
 
-/* Places of a coordinate in ascending order, and the log of the posterior there. */
+/* Points of a coordinate in ascending order, and the log of the posterior there. */
 typedef struct places {
     size_t n, most; /* at most so many */
     double at[PLACES], score[PLACES];
 } places;
 
-/* Places of the bond's other parameter, and at each those of its strength. */
+/* Points of the bond's other parameter, and at each those of its strength. */
 typedef struct grid {
     infer_fit *fit;
     const explain_data *data;
     size_t strength, other; /* coordinates; the same: there is no other one */
-    bool both;              /* the other one is looked at too */
+    bool both;              /* the other one is scanned too */
     places outer, inner[OTHERS];
 } grid;
 
-/* A place, and what it has of the posterior. */
+/* A point and its share of the posterior. */
 typedef struct part {
     double at, mass;
 } part;
@@ -37,7 +39,7 @@ static size_t best_of(const places *p) {
     return best;
 }
 
-/* What place i counts in the integral by trapezoids. */
+/* Weight of point i in the integral by trapezoids. */
 static double width_of(const places *p, size_t i) {
     return 0.5 * (p->at[i + 1 < p->n ? i + 1 : i] - p->at[i > 0 ? i - 1 : 0]);
 }
@@ -52,7 +54,7 @@ static double log_integral(const places *p) {
 
 /* ---- places ---- */
 
-/* Adds a place, not probable as long as nothing else is known; returns its index. */
+/* Adds a point of zero density until it is evaluated; returns its index. */
 static size_t insert(places *p, double at) {
     size_t i = p->n++;
     for (; i > 0 && p->at[i - 1] > at; i--) {
@@ -66,7 +68,7 @@ static size_t insert(places *p, double at) {
 
 typedef palp_status look(grid *g, double at, places *p); /* adds a place */
 
-/* Ever farther from the place at hand, on both sides, to where it is not probable or may not be. */
+/* Steps of growing length from the current point to both sides, until it is improbable or at a bound. */
 static palp_status find_ends(grid *g, size_t a, double step, look *add, places *p) {
     const double low = g->fit->c.low[a], high = g->fit->c.high[a],
                  from = fmin(high, fmax(low, g->fit->c.x[a]));
@@ -82,7 +84,7 @@ static palp_status find_ends(grid *g, size_t a, double step, look *add, places *
     return status;
 }
 
-/* The interval that may have most of the posterior is halved, and again. */
+/* Halves the interval that may have most of the posterior, repeatedly. */
 static palp_status refine(grid *g, look *add, places *p) {
     palp_status status = PALP_OK;
     while (!status && p->n > 1 && p->n < p->most) {
@@ -100,7 +102,7 @@ static palp_status refine(grid *g, look *add, places *p) {
     return status;
 }
 
-/* near: other columns are those of a place near by. */
+/* near: the other columns are those of a nearby point. */
 static palp_status go_to(grid *g, double strength, bool near) {
     g->fit->c.x[g->strength] = strength;
     palp_status status = explain_fit_to_model(&g->fit->c);
@@ -117,12 +119,12 @@ static palp_status add_strength(grid *g, double at, places *p) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* A first step as wide as what was known before, or as half of what is at hand. */
+/* A first step as wide as the former posterior, or half of the current value. */
 static double first_step(const infer_scan *known, double otherwise) {
     return known->high > known->low ? 0.5 * (known->high - known->low) : otherwise;
 }
 
-/* Begins at the best strength of all other places. */
+/* Begins at the best strength of all other points. */
 static palp_status add_other(grid *g, double at, places *p) {
     const double x =
         p->n > 0 ? g->inner[best_of(p)].at[best_of(&g->inner[best_of(p)])] : g->fit->c.x[g->strength];
@@ -163,15 +165,14 @@ static double find_quantiles(size_t n, part *of, double *low, double *high) {
     return median;
 }
 
-/* Parts of one row of places, each in units of exp(top) times width; returns how many. */
+/* Parts of one row of points, each in units of exp(top) times width; returns how many. */
 static size_t take_parts(const places *p, double top, double width, part *out) {
     for (size_t i = 0; i < p->n; i++)
         out[i] = (part){p->at[i], width * exp(p->score[i] - top) * width_of(p, i)};
     return p->n;
 }
 
-/* Intervals of what was looked at; returns the median of the strength where the other one is most probable.
- */
+/* Intervals from the grid; returns the median of the strength where the other one is most probable. */
 static double find_intervals(grid *g) {
     const size_t best = best_of(&g->outer);
     const double top = g->outer.score[best];
@@ -188,8 +189,8 @@ static double find_intervals(grid *g) {
     return find_quantiles(take_parts(&g->inner[best], top, 1.0, all), all, &low, &high);
 }
 
-/* To the other parameter's most probable place, and the strength's median there, unless that is between two
- * maxima. */
+/* Moves to the other parameter's most probable value, and to the strength's median there, unless that is
+ * between two maxima. */
 static palp_status settle(grid *g) {
     const size_t best = best_of(&g->outer);
     const places *there = &g->inner[best];

@@ -56,8 +56,8 @@ palp_effect_id infer_added_id(const infer_search *s, size_t i) {
 
 /* ---- one candidate ---- */
 
-/* What the runs tell of the strength of the fit's last effect: the share of its prior variance that is gone;
- * and the fit's scores. */
+/* Reduction of the prior variance of the strength of the fit's last effect by the runs; and the fit's
+ * scores. */
 static palp_status find_learned(infer_fit *fit, const explain_data *data, double *learned) {
     const palp_model *m = &fit->c.model;
     const size_t k = fit->k, g = k + INFER_HATS, last = m->n_effects - 1;
@@ -82,7 +82,7 @@ static palp_status find_learned(infer_fit *fit, const explain_data *data, double
     return status;
 }
 
-/* base with the effect at this start, its parameters those of base; and what the runs tell of it there. */
+/* base with the effect at this start, with the parameters of base; and the reduction of variance there. */
 static palp_status added_at(const infer_search *s, const palp_effect *effect, bool renewed, infer_fit *fit,
                             double *learned) {
     palp_model model = s->fit.c.model;
@@ -101,7 +101,7 @@ static palp_status added_at(const infer_search *s, const palp_effect *effect, bo
     return status;
 }
 
-/* In *best the one that promises more; the other is freed. */
+/* Keeps in *best the more promising one; the other is freed. */
 static void take_better(infer_fit *fit, infer_fit *best) {
     if (best->raw && !(fit->promised > best->promised)) {
         infer_fit_free(fit);
@@ -113,7 +113,7 @@ static void take_better(infer_fit *fit, infer_fit *best) {
     memset(fit, 0, sizeof *fit);
 }
 
-/* The two starts that promise most; more of them are only looked at. */
+/* The two most promising starts; all others are evaluated once. */
 static palp_status enter(const infer_search *s, const palp_effect *start, bool renewed, infer_fit best[2],
                          double *share) {
     infer_fit fit;
@@ -139,7 +139,7 @@ static palp_status try_hum(const infer_search *s, infer_trial *t) {
         status = infer_fit_copy(&s->fit, &s->data, &t->fit);
     if (status)
         return status;
-    t->share = 1.0; /* it has no strength but the runs' own */
+    t->share = 1.0; /* it has no strength but those of the runs */
     t->fit.c.hum_Hz = hertz;
     t->fit.sizes.own[INFER_SINE] = t->fit.sizes.own[INFER_COSINE] = amplitude;
     return infer_fit_evaluate(&t->fit, &s->data);
@@ -157,14 +157,14 @@ static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_tr
         if (!status && explain_may_recover(&s->data, id))
             status = enter(s, &starts.effect[i], !s->fit.c.renewed, best, &t->share);
     }
-    for (int i = 0; i < 2 && !status; i++) /* what is an outlier without the effect need not be one with it */
+    for (int i = 0; i < 2 && !status; i++) /* an outlier without the effect need not be one with it */
         status = best[i].raw ? infer_tails_learn(&best[i], &s->data) : PALP_OK;
     t->fit = best[0];
     t->second = best[1];
     return status;
 }
 
-/* What drives the material's arms at a strain, of what drives linear ones. */
+/* The drive of the material's arms at a strain, relative to that of linear ones. */
 static double drive_of(const palp_material *material, double strain) {
     double first, there;
     if (!material->quasi_linear)
@@ -174,9 +174,9 @@ static double drive_of(const palp_material *material, double strain) {
     return there > 0.0 && first > 0.0 ? there / first : 1.0;
 }
 
-/* The material with its arms driven otherwise, as stiff as they were at half the deepest strain. What the
- * elastic force drives is counted by the stiffness at the surface: a spline's knots of next to no stiffness
- * begin at a tenth of that at half the deepest strain. */
+/* The material with its arms driven otherwise, as stiff as they were at half the deepest strain. Arms driven
+ * by the elastic force are relative to the stiffness at the surface. A spline's knots of nearly no stiffness
+ * therefore begin at a tenth of that at half the deepest strain. */
 static palp_status drive_otherwise(palp_material *m, double strain) {
     static const double FIRST = 0.1;
     double typical, stiffness[PALP_LAW_MAX], scale = drive_of(m, strain);
@@ -214,7 +214,7 @@ static palp_status try_drive(const infer_search *s, infer_trial *t) {
     return status ? status : infer_fit_evaluate(&t->fit, &s->data);
 }
 
-/* A few steps towards its best parameters, which tell how far it may come; freed where there are none. */
+/* A few steps towards its best parameters, which show its promise; freed where there are none. */
 static palp_status approach(const infer_search *s, infer_fit *fit) {
     enum { EVALUATIONS = 3 };
     palp_status status = fit->raw ? infer_fit_improve(fit, &s->data, EVALUATIONS) : PALP_OK;
@@ -223,7 +223,7 @@ static palp_status approach(const infer_search *s, infer_fit *fit) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* What a trial gains by the better of its fits, which becomes its first. */
+/* The gain of a trial by the better of its fits, which becomes its first. */
 static void rank(const infer_search *s, infer_trial *t) {
     if (t->second.raw && (!t->fit.raw || t->second.score > t->fit.score)) {
         const infer_fit better = t->second;
@@ -306,7 +306,7 @@ static void settle_task(void *user, size_t i) {
         t->status = examine(s, t);
 }
 
-/* Its noise too; stays as it was where contacts that move make it worse. */
+/* Estimates its noise too; the fit stays unchanged where moving contacts make it worse. */
 static palp_status settle_with_noise(const infer_search *s, size_t rounds, infer_fit *fit) {
     infer_fit before;
     palp_status status = infer_fit_copy(fit, &s->data, &before);
@@ -332,10 +332,10 @@ static void finish_task(void *user, size_t i) {
         t->status = examine(s, t);
 }
 
-/* So many fits are settled, and so many finalists learn the noise too. */
+/* So many fits converge, and so many finalists estimate the noise too. */
 enum { SETTLED = 8, FINALISTS = 3 };
 
-/* What the last of the fits that promise most promises. */
+/* The predicted evidence of the last of the most promising fits. */
 static double find_promising(const infer_search *s) {
     double least = HUGE_VAL;
     for (int k = 0; k < SETTLED; k++) {
@@ -383,12 +383,12 @@ palp_status infer_try_all(infer_search *s) {
 
 /* ---- sets ---- */
 
-/* The runs tell more of a strength than its prior does. */
+/* Whether the runs determine the strength better than its prior. */
 static bool is_shown(double share) {
     return share > 0.5;
 }
 
-/* And it is beyond the practical limit. */
+/* The same, and the effect is above the practical limit. */
 static bool may_be_named(const infer_search *s, const infer_trial *t) {
     return t->fit.raw && is_shown(t->learned) && t->explained > s->settings->good_enough * s->data.peak;
 }
@@ -410,8 +410,7 @@ static void take(infer_search *s, int id) {
     s->trial[id].fit.raw = NULL;
 }
 
-/* full's fit with this model in its place, in both ways: what was taken out may have taken some sizes to
- * nothing. */
+/* full's fit with this model, in both ways: the removed effect may have reduced some sizes to 0. */
 static palp_status settle_without(const infer_search *full, const palp_model *model, bool hum,
                                   infer_fit *fit) {
     enum { ROUNDS = 3 };
@@ -557,7 +556,7 @@ palp_status infer_search_run(infer_search *s) {
     for (size_t step = 0; step < 2 * s->settings->max_effects + 2 && !status; step++) {
         if (infer_added(s) >= s->settings->max_effects)
             break;
-        s->step_share = 0.5 * (INFER_SEARCH_SHARE - s->told); /* how many there will be is not known */
+        s->step_share = 0.5 * (INFER_SEARCH_SHARE - s->told); /* their number is not known in advance */
         status = infer_try_all(s);
         const int best = status ? INFER_TRIALS : best_trial(s);
         const bool worth = best != INFER_TRIALS && s->trial[best].gain > infer_threshold(s->settings);

@@ -6,15 +6,15 @@
 
 #include "infer_internal.h"
 
-/* One effect more beside a fit. */
+/* A further effect of a fit. */
 typedef struct infer_trial {
     bool tried;
     infer_fit fit;    /* fit.raw NULL: it could not be tried */
     infer_fit second; /* from another start, as long as either may be the better one; raw NULL: none */
     double gain;      /* in log evidence, less the logarithm of the number of candidates, nats */
     double explained; /* rms by which it changes the residual, N */
-    double learned;   /* share of its strength's prior variance that the runs take away, */
-    double share;     /* and the largest one at its starts beside the fit at hand */
+    double learned;   /* reduction of its strength's prior variance by the runs, */
+    double share;     /* and the largest one at its starts with the current fit */
     palp_status status;
 } infer_trial;
 
@@ -29,21 +29,21 @@ typedef struct infer_search {
     infer_fit without[PALP_EXPLAIN_EFFECTS]; /* it without each added effect; raw NULL: not known */
     double *residual, *discrepancy;          /* [data.n] of it */
     infer_trial trial[INFER_TRIALS];
-    double promising;  /* what a fit of a trial promises at least that is settled */
+    double promising;  /* smallest predicted evidence of a trial's fit that is converged */
     double drive_gain; /* nats, of arms that are driven otherwise than the given ones; 0: they are not */
     double first;      /* score of the fit with the first effect, less its price */
     size_t n_steps;
     palp_explain_step *step; /* [n_steps] */
-    double step_share, told; /* of all work: a step is, and what was told */
+    double step_share, told; /* of all work: that of a step, and that reported */
     bool stopped;            /* by settings.stop: some candidates were not tried */
 } infer_search;
 
 #define INFER_SEARCH_SHARE 0.7 /* of all work */
 
-/* Log odds above which a set of effects is preferred: that of no false alarm to one. */
+/* Log odds above which a set of effects is preferred: the odds of no false alarm to one. */
 double infer_threshold(const palp_explain_settings *settings);
 
-/* What a candidate pays for being one of many, nats. */
+/* Log of the number of candidates, nats. */
 double infer_price(const infer_search *s);
 
 /* Adds each candidate to the fit at hand; their trials are freed first. */
@@ -54,8 +54,8 @@ void infer_trials_free(infer_search *s);
  * one. */
 palp_status infer_search_run(infer_search *s);
 
-/* Where a search has left a discrepancy or another law: each effect beside the model as given, without a
- * discrepancy, and the search from the best of these if it is the better first one. base: the fit that the
+/* If a search ended with a discrepancy or another law: fits each effect to the model as given without a
+ * discrepancy. If the best of these is the better first one, it searches from there. base: the fit that the
  * search began with. Keeps the more probable end. (infer_anew.c) */
 palp_status infer_search_anew(infer_search *s, const infer_fit *base);
 
@@ -67,8 +67,8 @@ palp_status infer_search_drop(infer_search *s);
 palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest);
 void infer_search_free(infer_search *s); /* but for its data */
 
-/* An added arm and one of the given model change places where that one is then nearer to what was given, and
- * no force changes. (infer_arms.c) */
+/* Exchanges an added arm and one of the given model where that one is then nearer to its given time; no force
+ * changes. (infer_arms.c) */
 palp_status infer_keep_given_arms(infer_search *s);
 
 size_t infer_added(const infer_search *s); /* how many effects, the mains' hum the last */
@@ -79,7 +79,7 @@ palp_status infer_specimens_find(const infer_search *s, palp_explanation *e);
 
 /* ---- a material alone (infer_material.c) ---- */
 
-/* Into out what the fit at hand says of a material, its runs and its specimens. (infer_estimates.c) */
+/* Writes the current fit's material, runs and specimens into out. (infer_estimates.c) */
 palp_status infer_estimates_fill(infer_search *s, size_t n, const palp_explain_input *inputs,
                                  palp_specimens_fit *out);
 

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* This share of the way from one place to another, if that is further away than least. Nearer, the columns at
- * hand do as well. */
+/* This share of the way from one value to another, if the distance exceeds least. For a smaller one the
+ * current columns suffice. */
 static double move(double from, double to, double share, double least, bool *moved) {
     if (!(fabs(to - from) > least))
         return from;
@@ -41,7 +41,8 @@ static palp_status move_own(const infer_fit *from, const explain_data *data, con
     return status;
 }
 
-/* Log posterior density of what is the runs' own where the columns are, beside the best step of all else. */
+/* Log posterior density of the runs' parameters at the values of the columns, with the best step of all
+ * others. */
 static palp_status find_density(infer_fit *fit, const explain_data *data, double *density) {
     infer_posterior p;
     fit->held = true;
@@ -53,7 +54,7 @@ static palp_status find_density(infer_fit *fit, const explain_data *data, double
     return status;
 }
 
-/* Moves what is the runs' own, and takes new columns there. A step that leads to a smaller density, or where
+/* Moves the runs' parameters, and takes new columns there. A step that leads to a smaller density, or where
  * the model has no solution, is halved, three times at most. */
 static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool *moved) {
     enum { HALVES = 3 };
@@ -88,7 +89,7 @@ static palp_status move_contacts(infer_fit *fit, const explain_data *data, bool 
     return status || !*moved ? status : infer_fit_score(fit, data);
 }
 
-/* Sizes, and the noise if it is wanted, that the best step of the parameters makes the most probable. */
+/* The most probable sizes, and noise if it is asked for, after the best step of the parameters. */
 static palp_status learn(infer_fit *fit, const explain_data *data, bool noise, bool near) {
     palp_status status = infer_sizes_learn(fit, data, 6);
     return status || !noise ? status : infer_noise_learn(fit, data, 10, !near);
@@ -106,7 +107,8 @@ static bool go_back(infer_fit *fit, infer_fit *kept) {
 
 palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise) {
     palp_status status = PALP_OK;
-    infer_fit kept = {.raw = NULL}; /* before sizes and noise were learned by a step that may not be there */
+    infer_fit kept = {.raw = NULL}; /* before sizes and noise were estimated for a step that may be
+                                       rejected */
     double last = -HUGE_VAL;
     for (size_t i = 0; i < rounds && !status; i++) {
         bool moved, back = false;
@@ -137,7 +139,7 @@ palp_status infer_fit_converge(infer_fit *fit, const explain_data *data) {
     enum { ROUNDS = 12, EVALUATIONS = 10, SIZES = 20, NOISE = 25 };
     double last = fit->score;
     for (size_t a = 0; a < fit->k; a++)
-        fit->scan[a].spread = 0.0; /* both parameters of a bond are looked at once more */
+        fit->scan[a].spread = 0.0; /* both parameters of a bond are scanned once more */
     infer_sizes_begin_anew(fit, data);
     palp_status status = infer_fit_products(fit, data);
     for (size_t i = 0; i < ROUNDS && !status; i++) {
@@ -201,8 +203,7 @@ static palp_status settle_parameters_first(infer_fit *fit, const explain_data *d
     return status ? status : settle_all(fit, data);
 }
 
-/* Keeps the more probable of two fits, which were settled with these statuses, in *fit. The other is freed.
- */
+/* Keeps the more probable of two fits, which ended with these statuses, in *fit. The other is freed. */
 static palp_status take_better(infer_fit *fit, palp_status status, infer_fit *anew, palp_status other) {
     if (!other && (status || anew->score > fit->score)) {
         infer_fit_exchange(fit, anew);
@@ -252,7 +253,8 @@ static palp_status refine(const infer_fit *coarse, const explain_data *data, inf
     if (status)
         return status;
     infer_fit_take_state(coarse, data, &fine);
-    fine.sizes.bend = 0.25 * coarse->sizes.bend; /* a second difference goes with the square of its way */
+    fine.sizes.bend = 0.25 * coarse->sizes.bend; /* a second difference grows with the square of the
+                                                    distance */
     status = infer_fit_evaluate(&fine, data);
     if (!status)
         status = infer_fit_settle(&fine, data, 4, true);
@@ -262,7 +264,7 @@ static palp_status refine(const infer_fit *coarse, const explain_data *data, inf
     return status;
 }
 
-/* With fewer knots first. Where the model has no solution on the way, a network mostly, with all from the
+/* With fewer knots first. If the model, mostly a network, has no solution on the way, with all from the
  * start. */
 palp_status infer_begin(infer_fit *fit, const explain_data *data, const palp_explain_settings *settings) {
     palp_model model = fit->c.model;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of one size, summed over what has it: b' S^-1 C S^-1 b, and what is expected of it. The restricted
+/* For one size, summed over its coefficients: b' S^-1 C S^-1 b, and its expectation. The restricted
  * likelihood is largest where both are equal (Harville, J. Am. Stat. Assoc. 72 (1977) 320). */
 typedef struct pair {
     double found, expected;
@@ -19,7 +19,7 @@ static void add_scalar(pair *s, double sd, double mean, double variance) {
     s->expected += 1.0 / prior - variance / (prior * prior);
 }
 
-/* Each file that tells how exact its contact is counts as one contact more, off by so much. */
+/* The sd of a contact in a file counts as one more contact with this error. */
 static void add_told(pair *s, double sd, const explain_data *data) {
     for (size_t i = 0; sd > 0.0 && i < data->n_contact_told; i++)
         add_scalar(s, sd, data->contact_told, 0.0);
@@ -48,8 +48,8 @@ static void add_hats(pair s[INFER_LENGTHS], const double size[INFER_LENGTHS], co
     }
 }
 
-/* Moves a size towards where both are equal, at most tenfold in the square; below what can be seen it is 0.
- */
+/* Moves a size towards equality of both, at most tenfold in the square; a size too small to be seen becomes
+ * 0. */
 static void move(double *size, const pair *s, double least) {
     if (!(*size > 0.0) || !(s->expected > 0.0))
         return;
@@ -58,9 +58,9 @@ static void move(double *size, const pair *s, double least) {
         *size = 0.0;
 }
 
-/* Sums over the second differences of the law's coordinates, at the best step; and what each says of its own
- * precision. A law may bend sharply at a place (a knee), and be smooth elsewhere: the bends' prior is
- * Cauchy's, a mixture of normal ones over the precision. */
+/* Sums over the second differences of the law's coordinates, at the best step; and the expected precision of
+ * each. A law may bend sharply at a place (a knee), and be smooth elsewhere: the bends' prior is Cauchy's, a
+ * mixture of normal ones over the precision. */
 static void add_bends(pair *s, infer_fit *fit, const double *step, const double *covariance) {
     const size_t k = fit->k;
     for (size_t i = 1; i + 1 < fit->c.model.material.law.n; i++) {
@@ -146,8 +146,7 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
     return PALP_OK;
 }
 
-/* What was nothing beside other parameters may be something beside these: it begins anew where it is barely
- * seen. */
+/* A size that was 0 with other parameters need not be with these: it begins again where it is barely seen. */
 void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data) {
     const double small = 3.0 * fit->noise.white / sqrt((double)explain_samples(data));
     const bool several = data->n_runs > 1;

@@ -1,10 +1,10 @@
-/* infer_specimens.c: how the stiffnesses of the specimens scatter, as the caller gets it. */
+/* infer_specimens.c: the scatter of the specimens' stiffnesses, in the caller's form. */
 #include "infer_search.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { GRID = 120 }; /* sizes of the scatter, evenly in the logarithm */
+enum { GRID = 120 }; /* sizes of the scatter, uniform in the logarithm */
 
 /* The 2.5 % and 97.5 % points of the posterior of the law's scatter. The factors on all stiffnesses and on
  * the law alone keep their shares of it. Its prior is even in the logarithm, as that of all sizes; with b_s
@@ -37,7 +37,7 @@ static palp_status find_interval(const infer_search *s, palp_explain_specimens *
     return PALP_OK;
 }
 
-/* What is left if all specimens are alike, the sizes and the noise learned anew. */
+/* The residual if all specimens are alike, with sizes and noise estimated again. */
 static palp_status as_one(const infer_search *s, palp_explain_specimens *out) {
     infer_fit fit;
     palp_status status = infer_fit_copy(&s->fit, &s->data, &fit);

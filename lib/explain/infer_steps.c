@@ -1,9 +1,9 @@
-/* infer_steps.c: the steps of encoder and converter, read off the files, and what they hide. */
+/* infer_steps.c: the steps of encoder and converter, found in the files, and their rounding errors. */
 #include "infer_internal.h"
 
 #include <math.h>
 
-/* Finer steps than this share of the range are as good as none; and so exact is a number in a file. */
+/* Finer steps than this share of the range do not matter; numbers in a file are as exact. */
 static const double FINEST = 1e-5, EXACT = 1e-7;
 
 /* The largest common divisor of both, to so much; 0: below finest there is none. */
@@ -32,9 +32,8 @@ double infer_common_step(size_t n, const double *value, double step) {
     return step;
 }
 
-/* How the error of a path that goes on by so many steps a sample correlates with that of the sample before:
- * both are remainders, of which one is ahead by the share (Bennett, Bell Syst. Tech. J. 27 (1948)
- * 446). */
+/* Correlation of the errors of two successive samples, for a path of so many steps a sample. Both are
+ * remainders with a constant difference (Bennett, Bell Syst. Tech. J. 27 (1948) 446). */
 static double correlation(double steps) {
     const double share = steps - floor(steps);
     return 1.0 - 6.0 * share * (1.0 - share);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Degrees of freedom: from Cauchy's distribution to what no session tells from the normal one. */
+/* Degrees of freedom: from Cauchy's distribution to one that no session distinguishes from the normal one. */
 static const double LEAST = 1.0, MOST = 1000.0;
 
 /* Log density of samples with these squares in units of their variance. */
@@ -38,8 +38,8 @@ static double find_freedom(size_t n, const double *square) {
     return exp(0.5 * (low + high));
 }
 
-/* Expected squares of what is independent in run r, over its variance: square[n]; -1 without use. left[n] is
- * overwritten. work: [(INFER_FILTER + 2) n + INFER_STATES]. */
+/* Expected squares of the independent noise of run r, over its variance: square[n]; -1 without use. left[n]
+ * is overwritten. work: [(INFER_FILTER + 2) n + INFER_STATES]. */
 static void find_squares(const infer_fit *fit, const explain_run *run, const infer_sample *sample,
                          double *left, double *square, double *work) {
     double *variance = work + INFER_FILTER * run->n + INFER_STATES, *inverse = variance + run->n;
@@ -69,7 +69,7 @@ static void learn_once(infer_fit *fit, const explain_data *data, const double *l
         fit->sample[i].certain = square[i] >= 0.0 ? (f + 1.0) / (f + square[i]) : 1.0;
 }
 
-/* What is left of run r at the most probable step of the parameters, all else at its posterior mean. */
+/* The residual of run r at the most probable step of the parameters, with all else at its posterior mean. */
 static palp_status left_of_run(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                                size_t r, const double *column, double *left) {
     const size_t n = data->run[r].n, k = fit->k;
@@ -99,8 +99,8 @@ static palp_status find_left(const infer_fit *fit, const explain_data *data, dou
     return status;
 }
 
-/* That the parameters are not known exactly is not in the expected squares: where that makes the bound lower,
- * all stays as it was. */
+/* The expected squares neglect the uncertainty of the parameters. Where this lowers the bound, nothing
+ * changes. */
 palp_status infer_tails_learn(infer_fit *fit, const explain_data *data) {
     enum { ROUNDS = 4 };
     const size_t n = data->n;
@@ -126,7 +126,7 @@ palp_status infer_tails_learn(infer_fit *fit, const explain_data *data) {
     return status;
 }
 
-/* Fisher's information of a mean is (f + 1) / (f + 3) of what the expected precisions have (Lange, Little and
+/* Fisher's information of a mean is (f + 1) / (f + 3) of that of the expected precisions (Lange, Little and
  * Taylor, J. Am. Stat. Assoc. 84 (1989) 881). */
 double infer_tail_widening(const infer_fit *fit) {
     return sqrt((fit->noise.freedom + 3.0) / (fit->noise.freedom + 1.0));
