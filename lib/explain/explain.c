@@ -1,4 +1,4 @@
-/* explain.c: an explanation by the evidence: the search, and what it found as the caller gets it. */
+/* explain.c: an explanation by the evidence: the search, and its result in the caller's form. */
 #include <palpate/explain.h>
 
 #include "base/file.h"
@@ -50,7 +50,7 @@ static palp_status conclude(infer_search *s, const palp_model *model, palp_expla
     e->correlation_s = noise->time[0];
     e->gap.noise_level_N = hypot(e->white_N, e->correlated_N);
     e->gap.after_N = explain_fitted_rms(&s->data, s->residual);
-    if (s->data.n_runs == 1) { /* nothing is left out: all of it is fitted */
+    if (s->data.n_runs == 1) { /* no run is left out: all are fitted */
         e->gap.heldout_before_N = e->gap.before_N;
         e->gap.heldout_after_N = e->gap.after_N;
     }
@@ -111,7 +111,7 @@ static palp_status confirm(infer_search *s, infer_fit *given, palp_explanation *
     return status;
 }
 
-/* The given law refitted: of its family the one that the posterior is nearest to. */
+/* The given law refitted: the law of its family nearest to the posterior. */
 static palp_status find_base(const infer_search *s, const palp_model *model, palp_explanation *e) {
     palp_law nearest;
     double nats;
@@ -127,8 +127,8 @@ static palp_status find_base(const infer_search *s, const palp_model *model, pal
     return status;
 }
 
-/* What each gains alone is that of the first step. What the runs tell of it, and whether it is suspected, is
- * beside what was found: of the last step that could try it. */
+/* The gain of each alone is that of the first step. Whether it is identifiable or suspected is conditional on
+ * the effects found: from the last step that tried it. */
 static void keep_candidates(palp_explanation *e) {
     const palp_explain_step *first = e->step, *last = e->step + e->n_steps - 1;
     e->n_candidates = first->n_candidates;
@@ -169,8 +169,8 @@ static palp_status find_effects(infer_search *s, palp_explanation *e) {
     return status;
 }
 
-/* s->fit of the model as given. What its effects leave in a specimen may last from run to run or not: the
- * more probable one. */
+/* s->fit of the model as given. Effects of the load history may last from run to run or not: the more
+ * probable is kept. */
 static palp_status begin(infer_search *s, const palp_model *model) {
     infer_fit renewed;
     bool may_recover = false;
@@ -235,7 +235,7 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
     return status;
 }
 
-/* Whether the model goes along the first run at all; what it cannot do is said in words. */
+/* Whether the model can follow the first run; if not, error says why. */
 static palp_status can_be_followed(const palp_model *model, infer_search *s, palp_error *error) {
     explain_history history = {.load.peak = 0.0};
     palp_forward_run path = explain_forward_run(&s->data.run[0], 0.0, &history);

@@ -1,5 +1,5 @@
-/* explain_block.c: runs that press no specimen: in air, and on a rigid block, which shows how far the frame
- * gives way. */
+/* explain_block.c: runs that press no specimen: in air, and on a rigid block, which gives the frame's
+ * compliance. */
 #include "explain_data.h"
 #include "base/file.h"
 #include "data/segments_internal.h"
@@ -14,7 +14,7 @@ static const double NOTHING =
     0.01; /* of the largest force: a run that went half as deep and has less was in air */
 static const double LOADED = 0.1; /* of a run's largest force: the block is pressed */
 
-/* What is known of a run before it is one of the specimen. */
+/* Facts of a run before it counts as one of the specimen. */
 typedef struct outline {
     size_t n;
     const double *time, *depth, *force; /* mm */
@@ -60,7 +60,7 @@ static double depth_at(const outline *o, double force) {
     return NAN;
 }
 
-/* Whether a has to go so much less far than b from a tenth of a force to all of it. */
+/* Whether a has a much shorter way than b from a tenth of a force to all of it. */
 static bool much_stiffer(const outline *a, const outline *b) {
     double force = 0.5 * fmin(a->peak, b->peak);
     double near = depth_at(a, force) - depth_at(a, 0.1 * force),
@@ -68,8 +68,8 @@ static bool much_stiffer(const outline *a, const outline *b) {
     return 0.1 * force > 3.0 * fmax(a->white, b->white) && near >= 0.0 && far > STIFFER * near;
 }
 
-/* Whether nothing tells a run that feels nothing from one in air: its file names no specimen, and it has
- * noise where others have. */
+/* Whether a run without force may be one in air: its file names no specimen, and it has noise if others
+ * have. */
 static bool may_be_air(const outline *o, const palp_explain_pressed *pressed, double white) {
     return !pressed->declared && !(o->constant && white > 0.0);
 }
@@ -113,8 +113,8 @@ typedef struct sums {
     double n, f, d, ff, fd;
 } sums;
 
-/* A line of depth over force, with a contact of each run's own: what a run adds to its slope's numerator and
- * denominator. */
+/* A line of depth over force, with a contact of each run: a run's contribution to the numerator and the
+ * denominator of the slope. */
 static void add_line(const sums *s, double *over, double *under) {
     if (s->n > 0.0) {
         *over += s->fd - s->f * s->d / s->n;
@@ -213,7 +213,7 @@ palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_fr
     return PALP_OK;
 }
 
-/* Whether it moves the specimen's forces by a quarter of a sample's noise. */
+/* Whether it changes the specimen's forces by a quarter of a sample's noise. */
 static bool matters(const explain_data *data) {
     double change = data->frame.compliance * data->peak / data->deepest * data->peak;
     return data->frame.low > 0.0 && change > 0.25 * data->run[0].white;

@@ -38,7 +38,7 @@ palp_status explain_event_add(explain_data *data, const palp_explain_event *even
 
 /* ---- samples ---- */
 
-/* What effects of the catalogue read beside depth and force; a column with a lost number is none. */
+/* Columns that effects read besides depth and force; a column with a lost number is left out. */
 static void find_columns(const palp_experiment *e, explain_run *run) {
     for (int id = 0; id < PALP_EFFECT_COUNT; id++) {
         const char *name = palp_effect_look_up((palp_effect_id)id)->column;
@@ -53,7 +53,7 @@ static void find_columns(const palp_experiment *e, explain_run *run) {
     }
 }
 
-/* height: of the specimen, which is not there to be pressed in air. */
+/* height: of the specimen; a run in air has none. */
 static palp_status copy(const palp_experiment *e, double height, bool air, explain_run *run) {
     const double *time = palp_experiment_column(e, "time_s"), *depth = palp_experiment_column(e, "depth_mm"),
                  *force = palp_experiment_column(e, "force_N");
@@ -123,9 +123,8 @@ static double zero_of(const explain_run *run) {
     return run->depth[away] <= 0.0 && n > 0 ? statistics_median(force, n) : 0.0;
 }
 
-/* Where a plate that sticks lets go, the force jumps; when it does is no matter of a sample, so the
- * surroundings of the jump do not count: a part of the pull before it, and as much after. The run's zero is
- * no pull. */
+/* Where a plate that sticks lets go, the force jumps. The jump's time is not known to a sample, so samples
+ * around it do not count: a part of the pull before it, and as much after. The run's zero is no pull. */
 static palp_status mask_releases(explain_data *data, size_t r) {
     explain_run *run = &data->run[r];
     palp_status status = PALP_OK;
@@ -158,9 +157,9 @@ static palp_status mask_releases(explain_data *data, size_t r) {
     return status;
 }
 
-/* By means of three samples: the strongest pull after the largest force, as the run's force differs from that
- * where the plate is farthest away; where the plate comes so far that one could show, what noise hides at
- * least. */
+/* The strongest pull after the largest force, by means of three samples, relative to the force where the
+ * plate is farthest away. It is at least the size that noise hides; 0 if the plate does not withdraw so
+ * far. */
 static void find_pull(explain_data *data, const explain_run *run) {
     size_t most = 1;
     double pull = -HUGE_VAL, least = HUGE_VAL;
@@ -176,7 +175,7 @@ static void find_pull(explain_data *data, const explain_run *run) {
         data->pulled = fmax(data->pulled, fmax(pull, 2.0 * noise));
 }
 
-/* Whether the plate went the same way in both, to a hundredth of the deepest. */
+/* Whether the plate had the same path in both, to a hundredth of the deepest. */
 static bool same_path(const explain_data *data, const explain_run *a, const explain_run *b) {
     enum { PLACES = 64 };
     double last = a->time[a->n - 1] - a->time[0], other = b->time[b->n - 1] - b->time[0];
@@ -195,8 +194,8 @@ static bool same_path(const explain_data *data, const explain_run *a, const expl
     return true;
 }
 
-/* How long the session was. A run that does not say when it began, began with the first; where that is by a
- * clock whose zero is ages ago, the session begins with it. */
+/* How long the session was. A run without a start time began with the first. If the clock's zero is long
+ * before the first run, the session begins with that run. */
 static void find_span(explain_data *data) {
     const double ages = 1e3;
     double first = HUGE_VAL, last = 0.0;
@@ -221,7 +220,8 @@ static double mean_step(const explain_run *run) {
     return (run->time[run->n - 1] - run->time[0]) / count;
 }
 
-/* The typical time between samples, the largest speed, how far the slowest run goes from one to the next. */
+/* The typical time between samples, the largest speed, and the slowest run's way from one sample to the
+ * next. */
 static palp_status find_pace(explain_data *data) {
     double *step = malloc(data->longest * sizeof *step);
     if (!step)
@@ -277,8 +277,8 @@ static void take_contact(explain_data *data, double sd) {
     data->n_contact_told++;
 }
 
-/* Whether it begins in the middle of a press, whose first part is in no file: what the arms remember of that
- * is not known. Of a smaller part the run's own zero and gain take it in. */
+/* Whether it begins in the middle of a press whose first part is in no file, so that the state of the arms is
+ * not known. The run's own zero and gain absorb a smaller part. */
 static bool begins_under_load(const explain_run *run) {
     const double part = 0.25; /* of the run's largest depth and force */
     double deepest = 0.0, peak = 0.0;
@@ -289,8 +289,7 @@ static bool begins_under_load(const explain_run *run) {
     return run->depth[0] > part * deepest && run->force[0] > part * peak;
 }
 
-/* Whether it presses at all, by its own depths: what stays above nominal contact shows the instrument alone.
- */
+/* Whether it presses at all, by its own depths. A run above nominal contact shows the instrument alone. */
 static bool goes_below_contact(const explain_run *run) {
     for (size_t i = 0; i < run->n; i++)
         if (run->depth[i] > 0.0)
@@ -374,7 +373,7 @@ static palp_status take_runs(explain_data *data, size_t n, const palp_explain_in
     return status;
 }
 
-/* Sorts the inputs out, and takes the runs of the specimen and those in air. */
+/* Sorts the inputs, and takes the runs of the specimen and those in air. */
 static palp_status take_inputs(explain_data *data, size_t n, const palp_explain_input *inputs,
                                const palp_explain_settings *settings, palp_error *error) {
     data->pressed = calloc(n, sizeof *data->pressed);
@@ -464,7 +463,7 @@ size_t explain_fitted_runs(const explain_data *data) {
     return n;
 }
 
-/* By how much a column changes; 0: by no more than its noise does. */
+/* The change of a column; 0 if it is within its noise. */
 static double change_in(const explain_run *run, const double *value) {
     const double beyond = 10.0;
     double most = 0.0, noise = 0.0;

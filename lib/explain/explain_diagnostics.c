@@ -1,5 +1,5 @@
-/* explain_diagnostics.c: diagnostics of the residual with the effects: its order from sample to sample,
- * lines, steps, and how much of it any smooth curve could still take off. */
+/* explain_diagnostics.c: diagnostics of the residual with the effects: its correlation from sample to sample,
+ * lines, steps, and the part that a smooth curve could remove. */
 #include "base/statistics.h"
 #include "explain_result.h"
 #include "explain_lines.h"
@@ -51,7 +51,7 @@ static void find_order(const explain_data *data, palp_explanation *e) {
 
 enum { BINS = 24 };
 
-/* rms of the means of y in bins of x from low to high, less what white noise would give. */
+/* rms of the means of y in bins of x from low to high, less that of white noise. */
 typedef struct curve {
     double low, high, sum[BINS], count[BINS], square, n;
 } curve;

@@ -14,7 +14,7 @@ static void set_coordinate(explain_fit *fit, size_t k, double low, double high, 
     fit->unit[k] = unit;
 }
 
-/* How large a parameter of that kind these runs let one expect. */
+/* The expected size of a parameter of that kind for these runs. */
 static double size_of(palp_effect_scale scale, const explain_data *data) {
     switch (scale) {
     case PALP_SCALE_TIME:
@@ -46,7 +46,8 @@ static bool is_period(const effect_row *row, size_t p) {
     return row->scanned > 0.0 && row->info.parameter[p].scale == PALP_SCALE_LENGTH;
 }
 
-/* Within what these runs can mean. value: the model's; one that is read off the data stays there. */
+/* Limits the value to the range that these runs can show. value: the model's; one taken from the data stays
+ * there. */
 static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t p, double value,
                        const explain_data *data) {
     const palp_effect_parameter *q = &row->info.parameter[p];
@@ -66,12 +67,12 @@ static void set_effect(explain_fit *fit, size_t k, const effect_row *row, size_t
             low = fmin(2.0 * data->stride, 0.5 * high);
         }
     }
-    if (q->scale ==
-        PALP_SCALE_STRAIN_RATE) { /* some run is faster; it may be far below all of them, as a dwell tells */
+    if (q->scale == PALP_SCALE_STRAIN_RATE) { /* some run is faster; it may be far below all speeds, as a
+                                                 dwell shows it */
         low = 1e-6 * size;
         high = size;
     }
-    if (q->scale == PALP_SCALE_RATE) { /* so that a factor of it and the session stays above zero */
+    if (q->scale == PALP_SCALE_RATE) { /* so that a factor of it and of the session stays positive */
         low = fmax(low, -0.9 * size);
         high = fmin(high, 1e3 * size);
     }

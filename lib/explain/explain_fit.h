@@ -25,15 +25,14 @@ palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit
 void explain_fit_free(explain_fit *fit);
 size_t explain_first_column(const palp_model *model, size_t i); /* index of the first parameter of effect i */
 
-/* Whether a sensor of the model reads no straight line over the force: how far a run's own gain goes depends
- * on where it is. */
+/* Whether a sensor of the model is nonlinear: the effect of a run's gain then depends on its value. */
 bool explain_bends(const palp_model *model);
 
-/* So much more to the gain of the model's sensor; nothing where the model has no room for one. */
+/* Adds to the gain of the model's sensor; does nothing where the model has no room for one. */
 void explain_add_gain(palp_model *model, double gain);
 
-/* The model with a contact offset and a gain, if need be at zero, and their columns: a run's own contact and
- * gain are theirs. ERR_LIMIT: it has no room for them. */
+/* The model with a contact offset and a gain, if need be at zero. Their columns are those of a run's contact
+ * and gain. ERR_LIMIT: it has no room for them. */
 palp_status explain_augment(const palp_model *model, palp_model *full, size_t *offset, size_t *gain);
 
 /* Derivatives by the model's parameters, gradient[columns n], into those by the coordinates: of an arm the
@@ -48,7 +47,7 @@ palp_status explain_fit_to_model(explain_fit *fit);
 
 bool explain_has(const explain_fit *fit, palp_effect_id id);
 
-/* Whatever the paths of the plate show of it. ERR_UNSUPPORTED: these runs cannot have it. */
+/* Whether the paths of the plate show it or not. ERR_UNSUPPORTED: these runs cannot have it. */
 palp_status explain_starts_find(palp_effect_id id, const explain_data *data, const double *residual,
                                 effect_starts *s);
 

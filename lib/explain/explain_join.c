@@ -1,4 +1,4 @@
-/* explain_join.c: recordings that go on in another file are taken as one run. */
+/* explain_join.c: recordings that continue in another file are one run. */
 #include "explain_data.h"
 
 #include <stdlib.h>

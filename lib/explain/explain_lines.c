@@ -12,7 +12,7 @@ typedef struct line {
     double x, power, cosine, sine;
 } line;
 
-/* Least squares of cosine and sine; power: by how much the squares shrink. */
+/* Least squares of cosine and sine; power: reduction of the sum of squares. */
 static line fit_line(size_t n, const double *at, const double *y, double x) {
     double cc = 0.0, ss = 0.0, cs = 0.0, yc = 0.0, ys = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -72,7 +72,7 @@ static const double LOWEST = 40.0, HIGHEST = 70.0;                            /*
 static const double PERIODS =
     10.0; /* of the lowest: the band then has the widths of seven lines, and a typical power */
 static const double NYQUIST =
-    140.0; /* samples a second: with fewer the mains are seen by an alias, as much else is */
+    140.0; /* samples a second: with fewer the mains are seen as an alias, as other lines are */
 
 bool explain_line_visible(const explain_data *data) {
     const effect_data facts = explain_facts(data);

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Neighbours at the run's largest force that do not differ at all may be beyond what the sensor reads: they
- * tell of no noise, if there are others. */
+/* Equal neighbours at the run's largest force may be clipped. They do not count for the noise, if there are
+ * others. */
 palp_status explain_white_noise(explain_run *run, const double *x) {
     const size_t n = run->n;
     const double step = (run->time[n - 1] - run->time[0]) / (double)(n - 1);

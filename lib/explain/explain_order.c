@@ -1,5 +1,4 @@
-/* explain_order.c: the runs in the order in which they were made, and which of them found a specimen as new.
- */
+/* explain_order.c: the runs in the order of their recording, and which of them press a new specimen. */
 #include "explain_data.h"
 
 #include <math.h>
@@ -19,12 +18,12 @@ bool explain_same_specimen(const palp_experiment *a, const palp_experiment *b) {
     return strcmp(explain_text_of(a, "specimen.name"), explain_text_of(b, "specimen.name")) == 0;
 }
 
-/* When it began; NAN: not told. */
+/* When it began; NAN: not known. */
 static double start_of(const palp_experiment *e) {
     return explain_number_of(e, "session.start_s", NAN);
 }
 
-/* Specimens in the order in which they come first; runs of one by their time, where both tell. */
+/* Specimens in the order of their first runs; runs of one by their times, if both have one. */
 void explain_order_find(size_t n, const palp_explain_input *inputs, size_t *order, bool *fresh) {
     size_t count = 0;
     for (size_t i = 0; i < n; i++) {

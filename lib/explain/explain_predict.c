@@ -1,4 +1,4 @@
-/* explain_predict.c: the one door through which explain asks a model for its forces. */
+/* explain_predict.c: the one function by which explain gets a model's forces. */
 #include "explain_data.h"
 #include "response/forward_internal.h"
 
@@ -31,7 +31,7 @@ palp_status explain_height(const palp_model *model, double *height, palp_error *
     return PALP_OK;
 }
 
-/* However a network fails to find an equilibrium, these parameters have none. */
+/* Any failure of a network to find an equilibrium means that these parameters have none. */
 static palp_status predict_network(const palp_model *model, const palp_forward_run *run, double *force,
                                    double *gradient, palp_error *error) {
     palp_status status = forward_network_force(model, run, force, gradient, error);

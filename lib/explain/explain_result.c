@@ -1,4 +1,4 @@
-/* explain_result.c: what the search found, as the caller gets it: the runs with their residuals, where they
+/* explain_result.c: the search's result in the caller's form: the runs with their residuals, and where these
  * are large. */
 #include "explain_result.h"
 #include "base/file.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a run in several files each presses the same. */
+/* All files of a run press the same object. */
 static palp_status copy_pressed(const explain_data *data, palp_explanation *e) {
     const explain_joined *joined = &data->joined;
     e->n_inputs = joined->n_inputs;

@@ -1,4 +1,4 @@
-/* explain_result.h: what the search found, as the caller gets it. Internal. */
+/* explain_result.h: the search's result in the caller's form. Internal. */
 #ifndef EXPLAIN_RESULT_H
 #define EXPLAIN_RESULT_H
 
@@ -29,7 +29,7 @@ typedef struct explain_path {
     double time[EXPLAIN_PATH], depth[EXPLAIN_PATH], samples[EXPLAIN_PATH];
 } explain_path;
 
-/* The limits with those that the runs show in place of 0. */
+/* The limits, with those of the runs in place of 0. */
 palp_explain_limits explain_limits_find(const palp_explain_limits *given, const explain_data *data);
 /* The runs to choose from, list[EXPLAIN_PROTOCOLS]: all kinds, with depth, speed and time from the limits
  * down, by factors of 2 and 4. Returns how many. */
@@ -38,7 +38,7 @@ size_t explain_protocols_list(const palp_explain_limits *limits, explain_protoco
 void explain_path_find(const explain_protocol *protocol, const explain_data *data, size_t most,
                        explain_path *path);
 palp_explain_next_run explain_next_run_of(const explain_protocol *protocol);
-/* The rms of the difference of two forces along a path, once the run's own zero and gain are free. */
+/* The rms difference of two forces along a path, after a fit of the run's zero and gain. */
 double explain_separation(const explain_path *p, const double *a, const double *b);
 
 /* ---- diagnostics (explain_diagnostics.c) ---- */

@@ -1,5 +1,4 @@
-/* explain_shown.c: how the plate moves in the runs, as far as it decides which effects they can show at all.
- */
+/* explain_shown.c: the plate's motion in the runs, which decides the effects that they can show. */
 #include "explain_data.h"
 
 #include <math.h>
@@ -25,7 +24,7 @@ static void add_speeds(const explain_run *run, double deepest, double *slowest, 
     }
 }
 
-/* How far the plate goes back, at most. */
+/* The largest way back of the plate. */
 static double way_back(const explain_run *run) {
     double top = -HUGE_VAL, back = 0.0;
     for (size_t i = 0; i < run->n; i++) {

@@ -1,4 +1,4 @@
-/* explain_starts.c: from where the search of an effect starts. */
+/* explain_starts.c: the starts of the search for an effect. */
 #include "explain_fit.h"
 #include "explain_lines.h"
 
@@ -6,7 +6,7 @@ static palp_status wave_in_depth(const effect_data *facts, double wave[3]) {
     return explain_line_in_depth(facts->runs, facts->residual, &wave[0], &wave[1], &wave[2]);
 }
 
-/* Without these an effect has no place to start from, or no column. */
+/* Without these an effect has no start, or no column. */
 static bool can_start(const effect_row *row, const effect_data *facts) {
     const bool needed = row->need == EFFECT_NEEDS_WITHDRAWAL || row->need == EFFECT_NEEDS_PERIODS ||
                         row->need == EFFECT_NEEDS_COLUMN || row->need == EFFECT_NEEDS_WEIGHT;

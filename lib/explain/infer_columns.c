@@ -1,6 +1,6 @@
-/* infer_columns.c: the functions of which a run's discrepancy is the sum: over depth on both ways, over the
- * time in a dwell, and over the height of a plate that withdraws, which a specimen may follow. Each is a
- * natural cubic spline, 1 at one node of a grid and 0 at the others; they are called hats for short. */
+/* infer_columns.c: the functions whose sum is a run's discrepancy: of depth on both ways, of the time in a
+ * dwell, and of the height of a withdrawing plate, which a specimen may follow. Each is a natural cubic
+ * spline, 1 at one node of a grid and 0 at the others; they are called hats for short. */
 #include "infer_internal.h"
 #include "response/free_term.h"
 
@@ -17,7 +17,8 @@ void infer_hats(const explain_data *data, size_t r, double contact, double *colu
     double above = 0.0, *dwell = column + INFER_DWELL * INFER_NODES * n;
     for (size_t i = 0; i < n; i++)
         above = fmax(above, surface - run->depth[i]);
-    const double height = log1p(above / data->stride); /* how far a surface follows the plate is not known */
+    const double height = log1p(above / data->stride); /* the distance to which a surface follows the plate is
+                                                          unknown */
     free_term_bends(bend);
     memset(column, 0, INFER_HATS * n * sizeof *column);
     for (size_t i = 0; i < n; i++) {
@@ -42,7 +43,7 @@ void infer_hats(const explain_data *data, size_t r, double contact, double *colu
         if (run->stood[i] >= 0.0)
             free_term_hats(bend, log(fmax(run->stood[i], data->step) / data->step) / span,
                            run->depth[i] / data->deepest, n, i, dwell);
-        dwell[i] = 0.0; /* a dwell begins with the force that the way to it ended with */
+        dwell[i] = 0.0; /* the force is continuous at the start of a dwell */
     }
 }
 
@@ -99,7 +100,7 @@ palp_status infer_free_term(const explain_data *data, palp_free_kind kind, palp_
     *term = (palp_free_term){.kind = kind, .depth_m = data->deepest, .slow_m_s = data->stride / data->step};
     find_range(data, kind, &term->from, &term->to);
     if ((by_clock && data->n_runs < 2) || (kind == PALP_FREE_SESSION && is_one_session(data)))
-        return PALP_ERR_UNSUPPORTED; /* nothing says that it comes again, or another kind says the same */
+        return PALP_ERR_UNSUPPORTED; /* it need not come again, or another kind is the same */
     return palp_free_term_check(term) ? PALP_ERR_UNSUPPORTED : PALP_OK;
 }
 
@@ -117,8 +118,7 @@ palp_status infer_free_hats(const infer_fit *fit, const explain_data *data, size
             free_term_place(&fit->term[d], n, run->time, run->depth, run->height, run->session, at, weight);
         for (size_t i = 0; i < n && !status; i++)
             free_term_hats(bend, at[i], weight[i], n, i, hat);
-        if (fit->term[d].kind ==
-            PALP_FREE_DWELL) /* which begins with the force that the way to it ended with */
+        if (fit->term[d].kind == PALP_FREE_DWELL) /* at whose start the force is continuous */
             memset(hat, 0, n * sizeof *hat);
     }
     return status;

@@ -1,4 +1,4 @@
-/* infer_improve.c: from the columns at hand to the most probable parameters. */
+/* infer_improve.c: from the current columns to the most probable parameters. */
 #include "infer_internal.h"
 #include "solve/levenberg.h"
 
@@ -9,8 +9,8 @@
 typedef struct improvement {
     infer_fit *fit;
     const explain_data *data;
-    double log_noise; /* at the start: so that a unit changes nothing */
-    bool best;        /* what was evaluated last is the best so far */
+    double log_noise; /* at the start: so that units do not matter */
+    bool best;        /* the last evaluation is the best so far */
 } improvement;
 
 /* At the columns at hand. */
