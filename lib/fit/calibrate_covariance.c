@@ -1,5 +1,5 @@
-/* calibrate_covariance.c: how well a calibrated network is known, from how well the lumped model is that it
- * was calibrated to. */
+/* calibrate_covariance.c: the covariance of a calibrated network, from that of the lumped model that it was
+ * calibrated to. */
 #include <palpate/calibrate.h>
 
 #include "base/dense.h"
@@ -10,13 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Normal equations of A dphi = G dtheta: what changes of the network's numbers make what the lumped model's
- * changes make of the forces. Each run counts the same. */
+/* Normal equations of A dphi = G dtheta: the change of the network's parameters that has the same effect on
+ * the forces as a change of the lumped model's. Each run counts the same. */
 typedef struct carrying {
     const palp_model *lumped, *network;
-    size_t from, to;        /* numbers of the lumped model, of the network */
-    double *square, *right; /* A'A [to to], A'G [to from] by columns; then what solves them */
-    double miss, missed;    /* what the network misses of the lumped model's force, as a part of it: sum of
+    size_t from, to;        /* parameters of the lumped model, of the network */
+    double *square, *right; /* A'A [to to], A'G [to from] by columns; then the solution */
+    double miss, missed;    /* relative error of the network's force against the lumped model's: sum of
                                squares, count */
 } carrying;
 
@@ -24,9 +24,9 @@ static size_t count(const palp_model *model) {
     return model->material.law.n + 2 * model->material.n_arms;
 }
 
-/* The part of the force that the network misses, squared, at every force alike: a miss is not chance but the
- * same in each press, and largest on the way there, where the force is still small. Forces below a twentieth
- * of the largest do not count. */
+/* The squared relative error of the network's force, with equal weight at every force. The error is
+ * systematic: it is the same in each press, and largest at small forces during loading. Forces below a
+ * twentieth of the largest do not count. */
 static void add_miss(carrying *c, size_t n, const double *network_N, const double *lumped_N) {
     double peak = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -72,7 +72,8 @@ static palp_status take_run(carrying *c, const palp_forward_run *run, palp_error
     return status;
 }
 
-/* right becomes d network numbers / d lumped numbers. What the runs hardly tell is held by a ridge. */
+/* right becomes d network parameters / d lumped parameters. A ridge fixes directions that the runs hardly
+ * determine. */
 static palp_status solve(carrying *c) {
     const size_t n = c->to;
     double *scale = malloc(n * sizeof *scale + 1);
@@ -94,7 +95,7 @@ static palp_status solve(carrying *c) {
     return status;
 }
 
-/* X C X' of the covariance of the lumped model's numbers. */
+/* X C X' of the covariance of the lumped model's parameters. */
 static void carry(const carrying *c, const double *covariance, double *result) {
     for (size_t k = 0; k < c->to; k++)
         for (size_t j = 0; j <= k; j++) {
@@ -106,7 +107,7 @@ static void carry(const carrying *c, const double *covariance, double *result) {
         }
 }
 
-/* What the network misses of the lumped model, as one factor on all of its stiffness. */
+/* The network's error against the lumped model, as one factor on its whole stiffness. */
 static palp_status add_misfit(const carrying *c, double *covariance) {
     double *own = malloc((palp_forward_parameter_count(c->network) + 1) * sizeof *own);
     palp_status status = own ? palp_forward_get(c->network, own) : PALP_ERR_NO_MEMORY;

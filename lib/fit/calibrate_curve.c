@@ -40,7 +40,7 @@ static palp_status reserve(force_curve *c, const palp_network *net, size_t n) {
     return PALP_OK;
 }
 
-/* Adds to g[p] what the law changes of the force by way of the volume's modulus, which is proportional to its
+/* Adds to g[p] the derivative of the force by way of the volume modulus, which is proportional to the law's
  * stiffness at rest. After network_weights. */
 static void add_volume_gradient(const palp_network *net, size_t p, double *g) {
     static const double SMALL = 1e-9;
@@ -88,7 +88,7 @@ static double hermite(const force_curve *c, size_t i, double d) {
 }
 
 /* Extrapolating the last interval of length l over a step h errs by h^2 (l + h)^2 F''''/24, interpolating the
- * step by h^4/16 of the same: what the extrapolation misses tells the error of the interpolation. */
+ * step by h^4/16 of the same. So the error of the extrapolation gives that of the interpolation. */
 static double interpolation_error(const force_curve *c, double depth, double force) {
     double last = c->depth[c->n - 1] - c->depth[c->n - 2], step = depth - c->depth[c->n - 1];
     double share = 0.25 * step / (last + step), doubt = 2.0; /* F'''' is not constant */
@@ -105,7 +105,7 @@ palp_status force_curve_trace(force_curve *c, palp_network *net, double depth_ma
     enum { FEWEST = 12 };
     const double shortest = 2e-4 * depth_max,
                  nearest = 2e-3 * depth_max;               /* for the error; to a branch's end */
-    double step = depth_max / (16.0 * FEWEST), peak = 0.0; /* nothing tells the error of the first one */
+    double step = depth_max / (16.0 * FEWEST), peak = 0.0; /* there is no estimate for the first one */
     palp_step_info info;
     palp_network_reset(net);
     net->no_approach = true;

@@ -1,4 +1,4 @@
-/* calibrate_internal.h: what the two stages of calibration share. */
+/* calibrate_internal.h: shared functions of the two stages of calibration. */
 #ifndef CALIBRATE_INTERNAL_H
 #define CALIBRATE_INTERNAL_H
 
@@ -10,14 +10,14 @@
 /* Appends a copy of *iteration. */
 palp_status calibration_add(palp_calibration *c, const palp_calibrate_iteration *iteration);
 
-/* One of a fit to n targets: the squares of its errors, and the weighted ones. */
+/* An iteration of a fit to n targets: the squares of its errors, and the weighted ones. */
 palp_calibrate_iteration calibration_iteration(const palp_material *material, double squares, double weighted,
                                                size_t n);
 
-/* Room for the curve of n samples, and the wanted one copied. */
+/* Allocates the curve of n samples, and copies the target. */
 palp_status calibration_set_target(palp_calibration *c, size_t n, const double *depth, const double *target);
 
-/* No equilibrium was found: the material is at fault, another may do. */
+/* Statuses of a missing equilibrium, which another material may have. */
 bool calibration_lost(palp_status status);
 
 /* Force of the fully relaxed network against depth, with its gradient by the law's coefficients. */
@@ -61,21 +61,21 @@ typedef struct static_stage {
     palp_calibration *result;
 } static_stage;
 
-/* palp_calibrate_static by any solve: checks what is given, runs it and fills *result; on an error that is
- * freed. */
+/* palp_calibrate_static by any solve: checks the arguments, runs it and fills *result, which is freed on an
+ * error. */
 palp_status static_stage_solve(palp_network *network, const palp_material *start, size_t n,
                                const double *depth_m, const double *target_N,
                                const palp_static_settings *settings, palp_calibration *result,
                                palp_status (*solve)(static_stage *));
 
-/* Runs the curve of a material, with its gradient by the law's coefficients unless NULL, and notes it in the
- * result. A curve that ends early keeps its last force, which a fit then sees as a large residual. */
+/* Runs the curve of a material, with its gradient by the law's coefficients unless NULL, and stores it in the
+ * result. A curve that ends early keeps its last force, so that the fit has a large residual. */
 palp_status static_stage_run(static_stage *stage, const palp_material *material, double *gradient);
 
-/* What the fit of palp_calibrate_relaxation sees at its first guess: the weighted residual[n_samples],
- * samples of all targets one after the other, and its derivatives by columns [n_samples n_parameters] (room
- * for 1 + 4 PALP_ARMS_MAX columns): by the scale (if fitted), then by K_j and log tau_j of each arm (with tau
- * fixed while K varies); last by beta and gamma (if fitted), one pair or one for each arm. */
+/* The first linearization of palp_calibrate_relaxation's fit: the weighted residual[n_samples], samples of
+ * all targets one after the other, and its derivatives by columns [n_samples n_parameters] (room for 1 + 4
+ * PALP_ARMS_MAX columns): by the scale (if fitted), then by K_j and log tau_j of each arm (with tau fixed
+ * while K varies); last by beta and gamma (if fitted), one pair or one for each arm. */
 palp_status relaxation_linearize(palp_network *network, const palp_material *start, size_t n_targets,
                                  const palp_target *targets, const palp_relaxation_settings *settings,
                                  size_t *n_parameters, double *residual, double *jacobian);

@@ -1,5 +1,5 @@
 /* calibrate_presses.c: the law, the arms and Poisson's ratio of a network from presses by plates and tools at
- * once, by least squares. Derivatives are differences: where a tool touches changes with the material. */
+ * once, by least squares. Derivatives are differences, since the contact area changes with the material. */
 #include "calibrate_internal.h"
 #include "relaxation_parameters.h"
 
@@ -10,7 +10,7 @@
 static const double LEAST_RATIO = 0.25, MOST_RATIO = 0.49; /* of springs alone; where networks lock */
 static const double SHIFT = 1e-4; /* of a parameter for a derivative: force has eight digits or more */
 
-static const double MOST_STIFFNESS = 100.0; /* of a region, and one over it */
+static const double MOST_STIFFNESS = 100.0; /* of a region; the other bound is its inverse */
 
 enum { PARAMETERS_MAX = PALP_LAW_MAX + RELAXATION_PARAMETERS_MAX + PALP_REGIONS_MAX + 1 };
 
@@ -221,7 +221,7 @@ static palp_status add_derivatives(presses *s, const double *u, double *jacobian
     return PALP_OK;
 }
 
-/* A material that the network cannot follow counts as one without force: far from any target. */
+/* A material without an equilibrium counts as one without force: far from any target. */
 static palp_status residuals(void *user, const double *u, double *r, double *jacobian) {
     presses *s = user;
     double weighted = 0.0;

@@ -34,7 +34,7 @@ typedef struct relaxation {
     double *residual, *jacobian; /* where linearize puts them, else NULL */
 } relaxation;
 
-/* What a parameter of an arm changes of arm j itself. */
+/* Direct derivative of arm j by a parameter of an arm. */
 static effect_arm own_arm(const relaxation *s, relaxation_role role, size_t j) {
     switch (role) {
     case RELAXATION_STIFFNESS:
@@ -48,7 +48,7 @@ static effect_arm own_arm(const relaxation *s, relaxation_role role, size_t j) {
     }
 }
 
-/* Adds what parameter k changes of the elements itself. */
+/* Adds the direct derivative of the elements by parameter k. */
 static void add_own(relaxation *s, size_t k, double scale) {
     const relaxation_parameter *p = &s->parameter[k];
     const size_t m = s->net->n_elements;
@@ -84,8 +84,8 @@ static palp_status advance_sensitivities(relaxation *s, double scale, double *gr
 }
 
 /* Next time to solve at: graded steps, never past a sample or a corner, even on a ramp; in a hold they grow
- * with the time since the ramp. Both constants leave a tenth of the tolerance on the material of Table 4.5.
- */
+ * with the time since the ramp. With both constants the error is a tenth of the tolerance for the material of
+ * Table 4.5. */
 static double next_time(const relaxation *s, const palp_target *target, size_t sample, double t) {
     size_t corner = 0;
     while (corner + 2 < target->path.n && target->path.time_s[corner + 1] <= t)
@@ -159,7 +159,7 @@ static palp_status report(relaxation *s, const palp_material *material, double w
     return PALP_OK;
 }
 
-/* A material that the network cannot follow counts as one without force: far from any target. */
+/* A material without an equilibrium counts as one without force: far from any target. */
 static palp_status residuals(void *user, const double *p, double *r, double *jacobian) {
     relaxation *s = user;
     palp_material material;
@@ -200,7 +200,7 @@ static double longest_path(const relaxation *s) {
     return longest;
 }
 
-/* Stiffnesses in units of their first guess, so that the solver takes the same way in newtons and in
+/* Stiffnesses in units of their first guess, so that the solver takes the same steps in newtons and in
  * nanonewtons. */
 typedef struct plain_numbers {
     relaxation *stage;

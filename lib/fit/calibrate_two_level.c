@@ -1,5 +1,5 @@
-/* calibrate_two_level.c: the static stage for a network too large to trace many times: a coarse one of the
- * same body takes the law, the large one only tells by how much it differs. */
+/* calibrate_two_level.c: the static stage for a network too large to trace many times. A coarse network of
+ * the same body is fitted; the large one gives the ratio of the forces. */
 #include "calibrate_internal.h"
 
 #include <palpate/realtime.h>
@@ -10,7 +10,7 @@
 
 enum { PRESSES = 24, ROUNDS = 5 };
 static const double PRECISE = 1e-6; /* force of the large network */
-static const double ENOUGH = 1e-4;  /* largest miss of the target, of its peak */
+static const double ENOUGH = 1e-4;  /* largest error against the target, relative to its peak */
 
 typedef struct two_level {
     palp_network *fine, *coarse;
@@ -22,10 +22,10 @@ typedef struct two_level {
     palp_material material;      /* of the coarse one */
     double *wanted, *ratio;      /* [n] of the coarse network; fine force over coarse */
     size_t n_presses, n_reached; /* of the large network, at samples (i + 1) n / n_presses - 1 */
-    size_t n_stable;   /* of these, up to the first that left the branch from rest for another stable one */
-    double strain_max; /* of the large one in them */
-    double *force;     /* [n] of it, in this round */
-    double least;      /* squares of the best round */
+    size_t n_stable;             /* of these, up to the first on another stable branch than that from rest */
+    double strain_max;           /* of the large one in them */
+    double *force;               /* [n] of it, in this round */
+    double least;                /* squares of the best round */
     palp_calibration *result;
 } two_level;
 
@@ -33,9 +33,9 @@ static size_t sample_of(const two_level *c, size_t press) {
     return (press + 1) * c->n / c->n_presses - 1;
 }
 
-/* Presses the large network down its branch. With PALP_BRANCH_CONTINUE as far as each step is solved at once:
- * where it is not, the network has begun to buckle. With PALP_BRANCH_STABLE each descends as long as it takes
- * to the next stable place. force[n_presses]. */
+/* Presses the large network down its branch. With PALP_BRANCH_CONTINUE it stops at the first step that is not
+ * solved at once, where the network has begun to buckle. With PALP_BRANCH_STABLE each step descends to the
+ * next stable equilibrium. force[n_presses]. */
 static palp_status press_fine(two_level *c, const palp_material *material, double *force) {
     palp_tick_info info;
     const bool descends = c->fine->settings.branch == PALP_BRANCH_STABLE;
@@ -59,7 +59,7 @@ static palp_status press_fine(two_level *c, const palp_material *material, doubl
     return status || c->n_reached > 0 ? status : PALP_ERR_NOT_CONVERGED;
 }
 
-/* Straight lines between the presses; level before the first and behind the last. */
+/* Linear between the presses; constant before the first and after the last. */
 static void spread_ratio(two_level *c, const double *fine, const double *coarse) {
     size_t last = sample_of(c, c->n_reached - 1);
     for (size_t i = 0, p = 0; i < c->n; i++) {
@@ -92,7 +92,7 @@ static void report_stability(const two_level *c) {
     }
 }
 
-/* What a round gave becomes the result. */
+/* Stores the result of a round. */
 static void keep(two_level *c, const palp_calibrate_iteration *it) {
     c->result->residual_N = it->residual_N;
     c->result->material = it->material;
@@ -101,8 +101,8 @@ static void keep(two_level *c, const palp_calibrate_iteration *it) {
 }
 
 /* *miss: largest difference from the target as far as the branch from rest was followed, of the target's
- * peak. The best round is that of the least squares, with the force at that branch's end for all beyond: what
- * another branch gives is no merit. */
+ * peak. The best round is that of the least squares, with the force at that branch's end for all beyond:
+ * forces of another branch do not count. */
 static palp_status report(two_level *c, const palp_material *fine, const double *coarse, double *miss) {
     palp_calibration *r = c->result;
     palp_calibrate_iteration it = {.material = *fine};
@@ -129,7 +129,7 @@ static palp_status report(two_level *c, const palp_material *fine, const double 
     return stop ? PALP_ERR_STOPPED : status;
 }
 
-/* One round: the coarse network's law for the wanted force, and what the large one makes of it. */
+/* One round: the coarse network's law for the wanted force, and the large network's force with it. */
 static palp_status improve(two_level *c, double *miss) {
     double fine[PRESSES];
     palp_static_settings settings = *c->settings;
@@ -149,7 +149,8 @@ static palp_status improve(two_level *c, double *miss) {
     }
     size_t own = status ? 0 : sample_of(c, branch_presses(c) - 1);
     for (size_t i = 0; i < c->n && !status; i++)
-        c->wanted[i] = c->target[i] / c->ratio[i <= own ? i : own]; /* no law is to follow another branch */
+        c->wanted[i] = c->target[i] / c->ratio[i <= own ? i : own]; /* the law is not fitted to another
+                                                                       branch */
     palp_calibration_free(&coarse);
     return status;
 }

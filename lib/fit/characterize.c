@@ -164,7 +164,7 @@ static palp_status fill_estimates(const fit_problem *p, const double *v, const f
     return PALP_OK;
 }
 
-/* Strains become the force of a law and plain arms. */
+/* Strains become the force of a law and arms. */
 static void run_along(const palp_material *material, size_t n, const double *time, double *at) {
     enum { MANY = 256 };
     double strain[MANY], arm[PALP_ARMS_MAX] = {0}, before = 0.0;
@@ -258,7 +258,7 @@ palp_status fit_solve_and_merge(fit_problem *p, double *v, fit_curvature *c, pal
     }
 }
 
-/* Whether the contacts are taken for known. */
+/* Whether the contacts count as known. */
 static palp_status judge_contacts(const fit_problem *p, const double *v, bool *known) {
     const double strong = log(20.0);
     double evidence = 0.0;
@@ -272,7 +272,7 @@ static palp_status judge_contacts(const fit_problem *p, const double *v, bool *k
     return status;
 }
 
-/* The fit again with contacts that are not known; its intervals are of all together. */
+/* The fit again with unknown contacts; its intervals include their uncertainty. */
 static palp_status free_contacts(fit_problem *p, double *v, fit_curvature *c, palp_lumped_fit *fit) {
     size_t n = fit_parameter_count(p);
     bool common = p->settings->contact == PALP_CONTACT_COMMON;

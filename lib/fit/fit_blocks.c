@@ -135,7 +135,7 @@ static palp_status choose_times(fit_problem *p, palp_error *error) {
                               "%g arms a decade over %.3g decades of time are more than %d", each, decades,
                               PALP_ARMS_MAX);
     p->n_arms = p->n_times = (size_t)wanted;
-    /* A fractional element goes on to faster times than a free arm could be told at. */
+    /* A fractional element extends to faster times than a free arm could be identified at. */
     double faster = s->arms == PALP_ARMS_LOG ? 0.0 : 1.0,
            step = faster > 0.0 ? (decades + faster) / (PALP_ARMS_MAX - 1) : 1.0 / each;
     for (size_t j = 0; j < p->n_times; j++)

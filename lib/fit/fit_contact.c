@@ -1,5 +1,4 @@
-/* fit_contact.c: contacts that were not quite where they were taken for: nuisance parameters beside the fit's
- * own. */
+/* fit_contact.c: contacts that differ from the assumed ones: nuisance parameters of the fit. */
 #include "base/arena.h"
 #include "base/dense.h"
 #include "fit_internal.h"
@@ -31,7 +30,7 @@ palp_status fit_contacts_differentiate(const fit_problem *p, const fit_contacts 
     return status;
 }
 
-/* Square of the parameters and the shifts together, square[(n + k)^2], and the pull, J'r. */
+/* J'J of the parameters and the shifts together, square[(n + k)^2], and the pull, J'r. */
 static void sum_up(const fit_problem *p, const fit_contacts *c, const double *r, const double *jacobian,
                    const double *by_shift, double *square, double *pull) {
     size_t n = fit_parameter_count(p), m = p->n_blocks, k = c->n, all = n + k;
@@ -55,7 +54,7 @@ static void sum_up(const fit_problem *p, const fit_contacts *c, const double *r,
         pull[a] = dense_dot(m, jacobian + a * m, r);
 }
 
-/* A shift's prior sd: what the recording says and what the runs were found to scatter by. */
+/* A shift's prior sd: that of the recording, combined with the scatter of the runs. */
 static double prior_sd(const fit_problem *p, const fit_contacts *c, size_t q) {
     double own = 0.0;
     for (size_t r = 0; r < p->n_runs; r++)
@@ -63,8 +62,8 @@ static double prior_sd(const fit_problem *p, const fit_contacts *c, size_t q) {
     return hypot(own, c->scatter);
 }
 
-/* From the mean square of the shifts; few runs may scatter little by chance: what the air says of contacts is
- * one run more then. */
+/* From the mean square of the shifts; few runs may scatter little by chance, so the contacts' sd in the air
+ * counts as one more run. */
 static void learn_scatter(const fit_problem *p, fit_contacts *c, double sum) {
     double n = (double)c->n, air = 0.0, least = 1e-12 * p->strain_max * p->strain_max;
     for (size_t r = 0; r < p->n_runs; r++)
@@ -72,7 +71,7 @@ static void learn_scatter(const fit_problem *p, fit_contacts *c, double sum) {
     c->scatter = sqrt(fmax(fmax(sum / n, (sum + air) / (n + 1.0)), least));
 }
 
-/* One Gauss-Newton step of all; the shifts take it, and their scatter is learned from them. *moved: largest
+/* One Gauss-Newton step of all; the shifts take it, and their scatter is estimated from them. *moved: largest
  * change. */
 static palp_status step(fit_problem *p, double *v, fit_contacts *c, double *moved) {
     size_t n = fit_parameter_count(p), m = p->n_blocks, all = n + c->n;

@@ -9,15 +9,15 @@
 #include <math.h>
 #include <string.h>
 
-/* Numbers: the fit's parameters, a zero force in sds for each run, a contact in strain for each run. */
+/* Unknowns: the fit's parameters, a zero force in sds for each run, a contact in strain for each run. */
 typedef struct judged {
     arena memory;
     const fit_problem *p;
-    size_t n, m, runs, all;      /* parameters, blocks, runs, numbers */
+    size_t n, m, runs, all;      /* parameters, blocks, runs, unknowns */
     double *residual, *jacobian; /* [m], [m n] */
     double *by_shift, *other;    /* [m] */
     double *row; /* [n + 2] of one block: derivatives by the parameters, its run's zero and contact */
-    double *square, *pull; /* [all all], [all]: J'J and J'r of all numbers */
+    double *square, *pull; /* [all all], [all]: J'J and J'r of all unknowns */
     double *a, *inverse;   /* [all all] */
     double widen;          /* factor on the variance of a block, for misfit and correlation */
 } judged;
@@ -32,7 +32,7 @@ static palp_status take_memory(judged *j) {
     return j->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-/* Which number the k-th of a row of run r is. */
+/* Index of the k-th unknown in a row of run r. */
 static size_t number(const judged *j, size_t r, size_t k) {
     return k < j->n ? k : k == j->n ? j->n + r : j->n + j->runs + r;
 }
@@ -57,8 +57,8 @@ static void sum_up(judged *j) {
         }
 }
 
-/* The residual with all numbers free, contacts within a tenth of the strains: what it has of misfit and
- * correlation is not theirs. */
+/* The residual with all unknowns free, contacts within a tenth of the strains. Its misfit and correlation are
+ * not due to them. */
 static palp_status find_widening(judged *j) {
     double wide = 1.0 / (0.01 * j->p->strain_max * j->p->strain_max);
     memcpy(j->a, j->square, j->all * j->all * sizeof *j->a);
@@ -81,8 +81,8 @@ static palp_status find_widening(judged *j) {
     return PALP_OK;
 }
 
-/* Information of the contacts alone: the other numbers are eliminated, and it comes first in square and pull,
- * in the widened variances: square[runs runs], pull[runs]. */
+/* Information of the contacts alone, with the other unknowns eliminated and the variances widened. It is the
+ * first block of square and pull: square[runs runs], pull[runs]. */
 static palp_status eliminate(judged *j) {
     size_t n = j->n + j->runs, all = j->all, runs = j->runs;
     for (size_t a = 0; a < n; a++)
@@ -107,8 +107,7 @@ static palp_status eliminate(judged *j) {
     return status;
 }
 
-/* log of how much likelier contacts with this scatter, beside what the recordings say of them, are than known
- * ones. */
+/* log of the Bayes factor of contacts with this scatter, and the recordings' sds, over known ones. */
 static double log_factor(judged *j, double scatter) {
     size_t runs = j->runs;
     double *m = j->a, *push = j->inverse;

@@ -1,5 +1,5 @@
-/* fit_curvature.c: how well a fit's numbers are known: curvature of its chi2, noise that is correlated,
- * contacts that are off. */
+/* fit_curvature.c: covariance of a fit's parameters: curvature of its chi2, correlated noise, wrong
+ * contacts. */
 #include "base/dense.h"
 #include "fit_internal.h"
 
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Adds what one wrong number, that shifts the residuals of run r by shift[run's n], does to the
- * parameters; move[2 n] is scratch. */
+/* Adds the effect on the parameters of an error that shifts the residuals of run r by shift[run's n]; move[2
+ * n] is scratch. */
 static void add_systematic(const fit_problem *p, const double *jacobian, size_t first, size_t blocks,
                            const double *shift, double *move, fit_curvature *c) {
     size_t n = fit_parameter_count(p);
@@ -46,8 +46,8 @@ static palp_status earlier_contact(const fit_problem *p, const double *v, double
     return status;
 }
 
-/* The residual's slopes by the strain of a run's blocks, for a plate whose place wanders in time seconds:
- * arms that relax faster do not answer. */
+/* The residual's slopes by the strain of a run's blocks, for a plate whose position wanders in time seconds:
+ * arms that relax faster do not respond. */
 static palp_status slopes_by_place(const fit_problem *p, const double *v, size_t r, double time,
                                    double *slope) {
     const fit_run *run = &p->run[r];
@@ -65,8 +65,8 @@ static palp_status slopes_by_place(const fit_problem *p, const double *v, size_t
     return status;
 }
 
-/* Covariance sum[n n] of the parameters by places of a run's blocks that are correlated over time seconds;
- * moves[n blocks] by rows is what a residual of each block moves them by; work[3 blocks]. */
+/* Covariance sum[n n] of the parameters by position errors of a run's blocks, correlated over time seconds.
+ * moves[n blocks] by rows: derivative of the parameters by each block's residual. work[3 blocks]. */
 static void sum_wander(const fit_run *run, size_t n, const double *moves, double time, const double *slope,
                        double *work, double *sum) {
     double *near = work, *decay = work + run->n, *row = work + 2 * run->n;
@@ -90,8 +90,9 @@ static void sum_wander(const fit_run *run, size_t n, const double *moves, double
     }
 }
 
-/* A plate wanders within a count of its encoder, as slowly as it likes: by the time that is worst for the
- * parameters together, each then by as much as the time that is worst for itself. */
+/* A plate wanders within a count of its encoder, with any correlation time. The correlations are those of the
+ * time that is worst for all parameters together; each variance is that of the time that is worst for
+ * itself. */
 static palp_status add_wander(const fit_problem *p, const double *v, const double *jacobian, size_t r,
                               size_t first, fit_curvature *c) {
     const fit_run *run = &p->run[r];
@@ -167,7 +168,7 @@ void fit_sum_residual(const fit_problem *p, const double *residual, fit_curvatur
     c->freedom = used > n ? used - n : 1;
 }
 
-/* Covariance of all parameters where they are of fewer: T (T' square T)^-1 T'. */
+/* Covariance of all parameters that depend on fewer ones: T (T' square T)^-1 T'. */
 static palp_status invert_reduced(const fit_problem *p, const double *square, double *covariance) {
     size_t n = fit_parameter_count(p), q = p->n_reduced;
     double *half = malloc((2 * n * q + 2 * q * q) * sizeof *half), *back = half + n * q,

@@ -101,8 +101,8 @@ static double density(double a, double log_x) {
 }
 
 /* Arms of the trapezoidal rule, a step apart, which for smooth spectra is exact but for exp(-pi^2 / step).
- * All from one on to ever slower or faster times as one: *size of it, log of its time, slow ones by their
- * mean rate, fast ones by their viscosity. */
+ * All arms from one on to ever slower or faster times count as one arm of *size, with the log of its time.
+ * Slow ones are joined by their mean rate, fast ones by their viscosity. */
 static double tail(const double *theta, double log_time, double step, double *size) {
     enum { ARMS = 1000 };
     double sum = 0.0;
@@ -117,7 +117,7 @@ static double tail(const double *theta, double log_time, double step, double *si
     return log_time + (step > 0.0 ? -log(sum / *size) : log(sum / *size));
 }
 
-/* log K_j and log tau_j of the arms in turn; theta: log K, log tau, a. The last ones stand for all beyond. */
+/* log K_j and log tau_j of the arms in turn; theta: log K, log tau, a. The last ones include all beyond. */
 static void spread(const fit_problem *p, const double *theta, double *arm) {
     double step = log(p->time[1] / p->time[0]), size;
     size_t last = p->n_times - 1;
@@ -151,7 +151,7 @@ static void place(const fit_problem *p, const double *springs, const double *the
         p->reduced[k * n + k] = 1.0;
 }
 
-/* Springs in units of their own, then theta. */
+/* Springs in their units, then theta. */
 typedef struct fractional {
     const fit_problem *problem;
     double unit[FIT_PARAMETERS_MAX], springs[FIT_PARAMETERS_MAX], *v, *jacobian; /* [n_blocks n_parameters] */
@@ -184,8 +184,8 @@ static palp_status evaluate(void *user, const double *u, double *residual, doubl
     return status;
 }
 
-/* What a fit with this time and exponent leaves, springs and stiffness by least squares; HUGE_VAL if that is
- * negative. */
+/* Residual of a fit with this time and exponent, with springs and stiffness by least squares; HUGE_VAL if a
+ * stiffness is negative. */
 static double try_start(const fit_problem *p, const normal *e, double *theta, double *solution) {
     size_t n = e->springs + 1;
     double weight[2 * PALP_ARMS_MAX], l[(PALP_LAW_MAX + 1) * (PALP_LAW_MAX + 1)];
@@ -237,8 +237,8 @@ static palp_status start(const fit_problem *p, const normal *e, double *v, doubl
 enum { STRAINS = 40, ROWS = 6 + STRAINS };
 
 /* log tau within a thousand times the times, the exponent within 0.02 to 0.98, log K not below a millionth of
- * the stiffness; K(e) > 0 at some strains, as a slow element is as good as a spring, which is then taken from
- * the law's. unit: of the springs. */
+ * the stiffness; K(e) > 0 at some strains, since a slow element acts as a spring and reduces the law's. unit:
+ * of the springs. */
 static size_t bound(const fit_problem *p, const double *unit, double *row, double *floor) {
     size_t n = p->n_reduced, k = p->n_springs;
     const double span = log(p->tau_max / p->tau_min) + log(1e3);

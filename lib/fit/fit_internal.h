@@ -7,21 +7,20 @@
 #include "base/arena.h"
 #include "material/element.h"
 
-/* A recording in blocks of samples, short against what changes in them: every block carries its mean
- * time, strain and force, and how many samples speak for it. */
+/* A recording in blocks of samples that are short against all changes. Every block has its mean time, strain
+ * and force, and the number of its samples. */
 typedef struct fit_run {
     size_t n;
     double *time, *strain, *force; /* [n] */
-    double *count;                 /* [n] samples; 0 = the block only carries the history */
+    double *count;                 /* [n] samples; 0 = the block is only a part of the history */
     double noise;                  /* sd of a sample, N, > 0 */
-    double zero_sd;                /* of the force that was taken for zero, N */
+    double zero_sd;                /* of the zero force, N */
     double air_sd;                 /* of the contact's strain by the air before it, where contact_sd is 0 */
-    double
-        contact_sd; /* of the strain, by the depth that was taken for contact; 0 where the air spoke for it */
+    double contact_sd;             /* of the strain, by the assumed contact; 0 where the air gave it */
     double place_sd; /* of the strain, as the plate may be anywhere within a count of its encoder */
     double end;      /* last time from the start, s */
     double peak;     /* largest |force| of a block, N */
-    bool leaves;     /* the plate goes back and does not pull: it leaves a specimen that lags behind */
+    bool leaves;     /* the plate goes back and does not pull: it may separate from the specimen */
 } fit_run;
 
 typedef struct fit_problem {
@@ -30,7 +29,7 @@ typedef struct fit_problem {
     fit_run *run;
     const palp_characterize_settings *settings;
     double height_m, strain_max;
-    double stiffness; /* largest force by depth of all runs, N: what is large and small */
+    double stiffness; /* largest force by depth of all runs, N: the scale of forces */
     double tau_min, tau_max;
     size_t n_springs; /* parameters of the spring */
     palp_law law;     /* kind and shape; a constant with PALP_SPRING_PER_RUN */
@@ -38,7 +37,7 @@ typedef struct fit_problem {
     double least;               /* K(e) stays above this share of the stiffness of all; 0 = it is free */
     size_t n_times;             /* arms at fixed times: LOG and FRACTIONAL; 0 = free ones */
     double time[PALP_ARMS_MAX]; /* [n_times] rising, even in log */
-    size_t n_reduced;           /* and of how many parameters they then are; 0 = of all */
+    size_t n_reduced;           /* number of parameters on which they then depend; 0 = all */
     double *reduced; /* [n_parameters n_reduced] by columns: derivatives of the parameters by those */
     const unsigned char *held_out; /* [n_blocks] 1 = not fitted; NULL = all are */
     double stop_relative;          /* a fit stops where chi2 no longer falls by this part of it */
@@ -50,7 +49,7 @@ palp_status fit_problem_create(fit_problem *problem, size_t n, const palp_record
                                const palp_characterize_settings *settings, palp_error *error);
 void fit_problem_free(fit_problem *problem);
 
-/* Whether sample i speaks for the parameters: not masked, not in the air, nor on the ramp with dwell_only. */
+/* Whether sample i is fitted: not masked, not in the air, nor on the ramp with dwell_only. */
 bool fit_counts(const palp_recording *recording, const palp_characterize_settings *settings, size_t i);
 
 size_t fit_parameter_count(const fit_problem *problem);
@@ -66,8 +65,7 @@ void fit_arm_response(const fit_run *run, double tau, double *response, double *
 /* Whether its plate goes back, beyond the last withdrawal, and does not pull. */
 bool fit_leaves(const palp_recording *recording);
 
-/* Residuals of run r, whose first block is first, with a plate that leaves a specimen which lags behind it.
- */
+/* Residuals of run r, whose first block is first, with a plate that may separate from the specimen. */
 palp_status fit_run_one_sided(const fit_problem *problem, const palp_law *law, const double *p, size_t r,
                               size_t first, double *residual, double *jacobian);
 
@@ -78,7 +76,7 @@ void fit_force_one_sided(const palp_material *material, size_t n, const double *
  * squares; start[n_starts n_parameters], *found how many. */
 palp_status fit_scan(const fit_problem *problem, size_t n_starts, double *start, size_t *found);
 
-/* Polishes p by NLopt; *chi2 = sum of squared residuals of what is fitted. */
+/* Polishes p by NLopt; *chi2 = sum of squared residuals of the fitted blocks. */
 palp_status fit_polish(const fit_problem *problem, double *p, double *chi2, bool *converged);
 
 /* Scan and polish from several starts, then K(e) > 0 if need be. */
@@ -90,7 +88,7 @@ palp_status fit_solve_from(fit_problem *problem, double *p, double *chi2, bool *
 /* Covariance of the parameters at v, and the residual's weighted square and its lag-1 correlation. */
 typedef struct fit_curvature {
     double *covariance; /* [n^2] from the blocks' own noise */
-    double *systematic; /* [n^2] from the force and the depth that were taken for zero */
+    double *systematic; /* [n^2] from the zero force and the contact */
     double chi2, correlation;
     size_t freedom;
 } fit_curvature;
@@ -100,17 +98,17 @@ void fit_sum_residual(const fit_problem *problem, const double *residual, fit_cu
 
 palp_status fit_find_curvature(const fit_problem *problem, const double *v, fit_curvature *c);
 
-/* Misfit and colour of the residual widen the intervals: sqrt of reduced chi2, and of (1 + rho)/(1 - rho),
- * the loss of independent blocks for a first-order correlation. Neither ever narrows them. */
+/* Misfit and correlation of the residual widen the intervals: sqrt of reduced chi2, and of (1 + rho)/(1 -
+ * rho), the loss of independent blocks for a first-order correlation. Neither ever narrows them. */
 double fit_inflation(const fit_curvature *c);
 
 /* Arms by rising tau. */
 void fit_sort_arms(const fit_problem *problem, double *v);
 
-/* Solves, and solves again with an arm less while two cannot be told apart. */
+/* Solves, and solves again with one arm less while the data cannot separate two. */
 palp_status fit_solve_and_merge(fit_problem *problem, double *v, fit_curvature *c, palp_lumped_fit *fit);
 
-/* The fit's result from the parameters v and what is known of them. */
+/* The fit's result from the parameters v and their curvature. */
 palp_status fit_finish(fit_problem *problem, const double *v, const fit_curvature *c, size_t n,
                        const palp_recording *recordings, const palp_characterize_settings *settings,
                        palp_lumped_fit *fit);
@@ -125,7 +123,7 @@ size_t fit_spring_columns(const fit_problem *problem);
 /* Springs of a solution of these. */
 void fit_springs_of(const fit_problem *problem, const double *solution, double *p);
 
-/* Arms at fixed times: parameters p, and what they are reduced to. theta[3]: of FRACTIONAL. */
+/* Arms at fixed times: parameters p, and those that they depend on. theta[3]: of FRACTIONAL. */
 palp_status fit_solve_spectrum(fit_problem *problem, double *p, double *theta, bool *converged);
 
 /* In place of the arms' estimates those of FRACTIONAL. */
@@ -147,7 +145,7 @@ typedef struct fit_contacts {
     size_t n;                 /* 1 or n_runs */
     double *plain;            /* [n_blocks] strains of the recordings */
     double *shift, *shift_sd; /* [n] later contact is positive */
-    double *sd;               /* [n_runs] what the recordings say of their contacts */
+    double *sd;               /* [n_runs] the recordings' own */
     double scatter, misfit;
     double *covariance; /* [n_parameters^2] of the fit's parameters with the shifts free */
 } fit_contacts;

@@ -1,4 +1,4 @@
-/* fit_model.c: what a parameter vector predicts, and how far that is from the blocks. */
+/* fit_model.c: the prediction of a parameter vector, and its residuals. */
 #include "base/dense.h"
 #include "fit_internal.h"
 
@@ -68,7 +68,7 @@ static void spring(const fit_problem *p, const palp_law *law, const double *v, s
         palp_law_gradient(law, e, derivative);
 }
 
-/* A spring that is none, as a line search may ask for: as far off as ten times no force at all. */
+/* An impossible spring, as a line search may ask for: its residual is ten times that of zero force. */
 static palp_status no_spring(const fit_problem *p, double *residual, double *jacobian) {
     for (size_t r = 0, row = 0; r < p->n_runs; r++)
         for (size_t i = 0; i < p->run[r].n; i++, row++)
@@ -78,7 +78,7 @@ static palp_status no_spring(const fit_problem *p, double *residual, double *jac
     return PALP_OK;
 }
 
-/* A row that only carries the history, or that is held out. */
+/* A row of the history only, or one that is held out. */
 static void silence(const fit_problem *p, size_t row, double *residual, double *jacobian) {
     size_t n = fit_parameter_count(p);
     residual[row] = 0.0;

@@ -1,5 +1,5 @@
-/* fit_one_sided.c: a plate that withdraws faster than the specimen recovers leaves it, as contact cannot
- * pull; the surface then lags behind, free of force, and the plate meets it again on its next way down. */
+/* fit_one_sided.c: a plate that withdraws faster than the specimen recovers separates from it, as contact
+ * cannot pull. The free surface then lags behind, and the plate meets it again on its next way down. */
 #include "fit_internal.h"
 
 #include <math.h>
@@ -8,8 +8,7 @@
 
 /* ---- whether a recording pulls ---- */
 
-/* Mean force from sample i on of as many neighbours in touch as speak for it, and whether there are so many.
- */
+/* Mean force of so many neighbours in contact from sample i on, and whether there are so many. */
 static bool mean_of(const palp_recording *rec, size_t i, size_t many, double *mean) {
     double sum = 0.0;
     for (size_t k = i; k < i + many; k++) {
@@ -50,8 +49,8 @@ bool fit_leaves(const palp_recording *rec) {
 /* ---- where the surface is ---- */
 
 /* The strain at which law(e) + push + stiffness (e - start) is 0, above the plate's, where it is negative:
- * Newton in a bracket. It ends a little beyond the strain of before, as a free surface recovers: where a law
- * that falls is free again, farther in, none jumps to. False: there is no such strain, and *strain stays. */
+ * Newton in a bracket. It ends a little beyond the former strain, as a free surface recovers. So it does not
+ * jump to a second zero of a falling law, farther in. False: there is no such strain, and *strain stays. */
 static bool free_strain(const palp_law *law, double plate, double push, double start, double stiffness,
                         double *strain) {
     const double close = 1e-12, most = fmin(0.999, fmax(plate, start) + 0.1 * fabs(start));
@@ -115,8 +114,7 @@ void fit_force_one_sided(const palp_material *material, size_t n, const double *
 
 /* ---- a run of the fit ---- */
 
-/* A specimen with its derivatives by the parameters that move it: its springs, then log K_j and log tau_j of
- * each arm. */
+/* A specimen with its derivatives by the parameters: its springs, then log K_j and log tau_j of each arm. */
 typedef struct surface {
     const palp_law *law;
     size_t n_springs, n_arms, n; /* n: of all these */
@@ -138,7 +136,7 @@ static palp_status take_memory(arena *memory, surface *s) {
     return memory->failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-/* The arms after dt at the same strain, and what a strain in that time adds to them; dt < 0: at once. */
+/* The arms after dt at the same strain, and their derivative by a strain in that time; dt < 0: at once. */
 static void rest(surface *s, double dt) {
     for (size_t j = 0; j < s->n_arms; j++) {
         double stiffness = exp(s->arm[2 * j]), x = dt > 0.0 ? dt / exp(s->arm[2 * j + 1]) : 0.0;
@@ -153,7 +151,7 @@ static void rest(surface *s, double dt) {
     }
 }
 
-/* Derivatives of the force at strain e, which is held. */
+/* Derivatives of the force at the fixed strain e. */
 static void slopes_of(surface *s, double e, double *force_p) {
     memset(force_p, 0, s->n * sizeof *force_p);
     palp_law_gradient(s->law, e, s->by_spring);
@@ -180,7 +178,7 @@ static void move_to(surface *s, double e, const double *strain_p) {
     s->strain = e;
 }
 
-/* On to the plate's strain, or to where the surface is free of force. force_p[n]; work[n]. */
+/* Steps to the plate's strain, or to that of the free surface. force_p[n]; work[n]. */
 static double advance(surface *s, double plate, double dt, double *force_p, double *work) {
     double e = plate, tangent;
     rest(s, dt);

@@ -1,4 +1,4 @@
-/* fit_select.c: how many arms, or which degree, by error on blocks that were held out. */
+/* fit_select.c: the number of arms, or the degree, by the error on blocks held out. */
 #include "base/arena.h"
 #include "base/dense.h"
 #include "base/file.h"
@@ -11,7 +11,7 @@
 enum { FOLDS = 5, GROUPS = 40 };
 
 static const double COARSE =
-    1e-5; /* where a fit stops that is only compared: losses within a fifth are alike */
+    1e-5; /* tolerance of a fit that is only compared: losses within a fifth are alike */
 
 /* Blocks in groups (of one recording, neighbours in log time), groups in folds. With three recordings and
  * one law for all, a fold is a recording. */
@@ -27,8 +27,8 @@ typedef struct folds {
     bool by_run;
 } folds;
 
-/* Of a long recording every so many blocks speak, the others carry the history only: some hundred of them in
- * a group tell losses apart that differ by a fifth. */
+/* Of a long recording one in so many blocks counts, the others are history only. Some hundred of them in a
+ * group are enough to separate losses that differ by a fifth. */
 static void thin(fit_problem *p) {
     enum { ENOUGH = 200 * GROUPS };
     for (size_t r = 0; r < p->n_runs; r++)
@@ -36,8 +36,8 @@ static void thin(fit_problem *p) {
             p->run[r].count[i] *= i % every == 0;
 }
 
-/* Weights of the blocks in the groups: 1, or more for those that go deeper than all before them, so that a
- * third of the groups at least are theirs: they tell the law, and a sweep has few of them. */
+/* Weights of the blocks in the groups: 1, or more for those that go deeper than all before them, so that at
+ * least a third of the groups are theirs. They determine the law, and a sweep has few of them. */
 static void weigh_blocks(const fit_run *run, double *weight) {
     double deepest = 0.0, deeper = 0.0, rest = 0.0;
     for (size_t b = 0; b < run->n; b++) {
@@ -171,7 +171,7 @@ static palp_status step_out(const folds *f, const fit_problem *p, size_t fold, c
 
 /* The better of two fits, which may end in different minima: from the scan, and from the arms of the law
  * before, v in, where there was one. other[n] is scratch. PALP_ERR_SINGULAR: K(e) falls to 0 within the
- * measured strain, which no constraint keeps an Ogden law from. */
+ * measured strain, which no constraint prevents for an Ogden law. */
 static palp_status solve_twice(fit_problem *p, bool started, double *v, double *other, double *chi2) {
     size_t bytes = fit_parameter_count(p) * sizeof *v;
     double second = HUGE_VAL;
@@ -237,8 +237,8 @@ static palp_status score_by_steps(folds *f, fit_problem *p, double *arms, bool *
     return status;
 }
 
-/* Mean over the groups of log(loss a / loss b), and its standard error: the logarithm keeps a few groups of a
- * large loss, a corner or a first sample, from hiding all others. */
+/* Mean over the groups of log(loss a / loss b), and its standard error: with the logarithm a few groups with
+ * a large loss, as a corner or a first sample, do not hide all others. */
 static double log_ratio(size_t groups, const double *a, const double *b, double *error) {
     double sum = 0.0, square = 0.0, used = 0.0;
     for (size_t g = 0; g < groups; g++) {
@@ -334,7 +334,7 @@ palp_status palp_characterize_select_degree(size_t n, const palp_recording *reco
     return select_best(n, recordings, settings, false, max_degree + 1, score, sd, best, error);
 }
 
-/* Mean over the groups of what law a leaves more than law b, in rms, and its standard error. */
+/* Mean over the groups of the excess rms residual of law a over law b, and its standard error. */
 static double rms_excess(size_t groups, const double *a, const double *b, double *error) {
     double sum = 0.0, square = 0.0, used = 0.0;
     for (size_t g = 0; g < groups; g++) {
@@ -348,7 +348,7 @@ static double rms_excess(size_t groups, const double *a, const double *b, double
     return mean;
 }
 
-/* By how much law a leaves more than law b, in squares of the noise, and the standard error of that by the
+/* Excess of the squared residual of law a over law b, in units of the noise, and its standard error by the
  * noise: that of 2 sum (a - b) b, widened as fit_inflation widens intervals. */
 static double squares_excess(const fit_problem *p, const double *a, const double *b, double *error) {
     fit_curvature c = {0};
@@ -362,9 +362,8 @@ static double squares_excess(const fit_problem *p, const double *a, const double
     return sum;
 }
 
-/* Of blocks of recordings that were all fitted, the first law that leaves no more than the best one by two
- * standard errors: a law that misses some percent of the noise over thousands of them moves its arms by
- * several sds. */
+/* For recordings that were all fitted, the first law whose residual is within two standard errors of the best
+ * one's. An error of some percent of the noise over thousands of blocks changes the arms by several sds. */
 static size_t choose_by_blocks(const folds *f, const fit_problem *p, size_t laws) {
     size_t best = 0, chosen = 0, m = p->n_blocks;
     double error;
@@ -395,7 +394,7 @@ static size_t choose_by_runs(const folds *f, size_t laws) {
     return chosen;
 }
 
-/* A law that cannot be fitted, or falls to 0, loses: as far off as no force. */
+/* A law that cannot be fitted, or falls to 0, has the residual of zero force. */
 static void lose(const folds *f, const fit_problem *p, double *loss, double *left) {
     memset(loss, 0, f->n_groups * sizeof *loss);
     for (size_t r = 0, i = 0; r < p->n_runs; r++)

@@ -190,7 +190,7 @@ palp_status fit_scan(const fit_problem *p, size_t n_starts, double *start, size_
     return status;
 }
 
-/* Parameters without units, v = origin + unit u, so that the solver takes the same way in newtons and in
+/* Parameters without units, v = origin + unit u, so that the solver takes the same steps in newtons and in
  * nanonewtons. */
 typedef struct plain_numbers {
     const fit_problem *problem;
@@ -330,8 +330,8 @@ static palp_status polish_starts(fit_problem *p, double *v, double *chi2, bool *
     return status;
 }
 
-/* K(e) > 0 over the strains measured, where the fit came out otherwise: at some strains, by as much as it
- * takes to be so between them. */
+/* Enforces K(e) > 0 over the measured strains if the fit violates it: at some strains, by the margin that is
+ * needed between them. */
 static palp_status keep_positive(fit_problem *p, double *v, double *chi2, bool *converged) {
     const double least = 1e-3, most = 0.1;
     palp_law law;

@@ -36,7 +36,7 @@ static palp_status take_memory(whitened *h) {
     return h->memory.failed ? PALP_ERR_NO_MEMORY : PALP_OK;
 }
 
-/* Inverse of the positive definite a, which is spoilt. */
+/* Inverse of the positive definite a, which is overwritten. */
 static bool invert(size_t n, double *a, double *inverse) {
     if (!dense_cholesky(n, a))
         return false;
@@ -112,7 +112,7 @@ static bool find_mean(whitened *h) {
     return true;
 }
 
-/* Adds to sum what specimen i says of "between": E[b b'] = m m' + B - B (W - W C W) B with m = B W (u -
+/* Adds the contribution of specimen i to "between": E[b b'] = m m' + B - B (W - W C W) B with m = B W (u -
  * mean). */
 static void add_moment(whitened *h, size_t i) {
     size_t n = h->s->n;
@@ -135,7 +135,7 @@ static void add_moment(whitened *h, size_t i) {
         h->sum[k] += last[k];
 }
 
-/* EM until "between" stands still; what is 0 in a direction stays 0. */
+/* EM until "between" converges; a direction of zero variance stays so. */
 static palp_status iterate(whitened *h) {
     size_t n = h->s->n;
     for (int round = 0; round < ROUNDS; round++) {
@@ -169,14 +169,14 @@ static void start(whitened *h) {
                              (double)(m - 1);
 }
 
-/* What the largest of so many variances, 1 in truth, reaches by chance in one case of twenty: of a Wishart
+/* The 95 % quantile of the largest of so many variances whose true value is 1. It is that of a Wishart
  * matrix, by the Tracy-Widom law with Johnstone's centre and scale. */
 static double reached_by_chance(size_t dimensions, size_t freedom) {
     double a = sqrt((double)freedom - 0.5), b = sqrt((double)dimensions - 0.5);
     return ((a + b) * (a + b) + 0.9793 * (a + b) * cbrt(1.0 / a + 1.0 / b)) / (double)freedom;
 }
 
-/* Leaves of "between" the directions that are more than chance. */
+/* Keeps in "between" only the directions that exceed chance. */
 static palp_status keep_directions(whitened *h) {
     size_t n = h->s->n, most = h->s->n_specimens - 1 < n ? h->s->n_specimens - 1 : n, kept = 0;
     memcpy(h->a, h->between, n * n * sizeof *h->a);

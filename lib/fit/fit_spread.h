@@ -18,7 +18,7 @@ typedef struct fit_spread {
     size_t n_directions;      /* in which specimens differ; 0: between is 0 */
 } fit_spread;
 
-/* ERR_SINGULAR: a direction that no specimen tells. */
+/* ERR_SINGULAR: no specimen determines a direction. */
 palp_status fit_spread_find(fit_spread *spread);
 
 #endif
