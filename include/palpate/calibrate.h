@@ -158,7 +158,7 @@ PALP_API palp_status palp_calibrate_presses(palp_model *model, const palp_mesh *
 /* The covariance of a calibrated network's parameters, [n n] in the order of palp_model.covariance. It
  * follows from lumped->covariance and the derivatives of both models' forces in the runs of the calibration.
  * If between is not NULL, it receives the spread between specimens, from lumped->between, likewise. The
- * force error that the calibration left is added as the variance of a factor on the network's whole
+ * remaining force error of the calibration is added as the variance of a factor on the network's whole
  * stiffness. Errors of palp_forward_band; ERR_SINGULAR: runs without force. */
 PALP_API palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model *network,
                                                size_t n_runs, const palp_forward_run *runs,

@@ -71,7 +71,7 @@ typedef struct palp_lumped_fit {
     double *covariance;  /* [n_parameters^2] of them, widened as the intervals are; palp_model.covariance */
     double reduced_chi2; /* weighted residual per degree of freedom, 1 = down to the noise */
     double inflation;    /* factor on the sds for misfit and correlated noise, >= 1 */
-    size_t n_merged;     /* arms merged because the data cannot tell them apart */
+    size_t n_merged;     /* arms merged because the data do not separate them */
     bool constrained;    /* K(e) > 0 had to be enforced */
     bool converged;
 } palp_lumped_fit;
@@ -107,8 +107,8 @@ PALP_API palp_status palp_characterize_select_degree(size_t n, const palp_record
                                                      size_t *best, palp_error *error);
 
 /* The law, by the same evidence: law[n_laws] in the order of preference, simple first, each with its kind,
- * size, knots and area; coefficients: first guess. One fit each, whose derivatives tell what the folds would
- * leave (one Gauss-Newton step, exact where the parameters are linear). With whole recordings held out, what
+ * size, knots and area; coefficients: first guess. One fit each; its derivatives give the residuals of the
+ * folds (one Gauss-Newton step, exact where the parameters are linear). With whole recordings held out, what
  * is deeper than all others is not judged. A law that the data cannot fit loses. score, sd and *best by law,
  * as above. ERR_ARGUMENT: no law, PALP_SPRING_PER_RUN. */
 PALP_API palp_status palp_characterize_select_law(size_t n, const palp_recording *recordings,
@@ -138,7 +138,7 @@ typedef struct palp_specimens_fit {
 PALP_API void palp_specimens_fit_free(palp_specimens_fit *fit); /* frees arrays, zeroes; NULL is fine */
 
 /* Fits the specimens, 2 or more: recording r is of specimen[r], numbered from 0 without a gap. Each is fitted
- * by itself, from what all tell together; mean, between and within are a random-effects estimate by
+ * by itself, starting from the fit of all; mean, between and within are a random-effects estimate by
  * restricted maximum likelihood (Laird and Ware 1982). Where the specimens differ by no more than chance,
  * mean is the fit of all recordings as of one. The contacts are KNOWN. The caller frees *fit. Errors of
  * palp_characterize_fit; ERR_ARGUMENT: PALP_SPRING_PER_RUN, a specimen without a recording; ERR_INPUT: the

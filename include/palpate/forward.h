@@ -39,7 +39,8 @@ typedef struct palp_forward_run {
     const palp_forward_column *column; /* [n_columns] */
     palp_load_history *history;        /* NULL, or in: the state before the run; out: the state after it */
     double contact_m;                  /* depth of this run's surface below that of the model */
-    const double *added_N; /* [n] what the sensor feels beside the model's force; NULL = nothing; caller's */
+    const double *added_N; /* [n] a force on the sensor in addition to the model's; NULL = nothing;
+                              caller's */
 } palp_forward_run;
 
 /* The parameters of a model as one vector: law coefficients, then K_j, b_j of each arm, then the parameters

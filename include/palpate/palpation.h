@@ -39,7 +39,8 @@ typedef struct palp_palpation {
     double scatter;                 /* of the forces about the model, relative, without the ball */
     double scatter_found;           /* with it */
     double gain;                    /* measured force over the model's, with the ball */
-    size_t next; /* candidate that tells most about the ball; n_candidates: not known, or none was given */
+    size_t next; /* candidate with the most information on the ball; n_candidates: not known, or none was
+                    given */
 } palp_palpation;
 
 PALP_API palp_palpation_settings palp_palpation_settings_default(void);

@@ -40,8 +40,8 @@ PALP_API void palp_hull_free(palp_hull *hull); /* NULL is allowed */
  * nearby nodes, so that a sliding tool feels little of the mesh. A tool should be thicker than its triangles.
  *
  * A hull's frame is turned by orientation and then has its origin at position_m. Of other shapes orientation
- * says how they have turned, which only friction feels: a sphere that spins drags the tissue. Where it is
- * zero now and before, a capsule or plane turns as its axis does, without spin. */
+ * is their rotation, which matters for friction only: a sphere that spins drags the tissue. Where it is zero
+ * now and before, a capsule or plane turns as its axis does, without spin. */
 typedef struct palp_tool {
     palp_tool_shape shape;
     double position_m[3]; /* sphere: centre; capsule: the centre of its first end; plane: a point of it; hull:
@@ -92,10 +92,10 @@ typedef struct palp_contact_settings {
      * spheres and capsules stiffness is then not used: each vertex has the local compliance that the mesh
      * lacks (doc/numerics.md), so the force hardly depends on the spacing of the nodes. */
     size_t subdivisions;
-    /* Without subdivisions: spheres and capsules touch triangles in points, which give way by what the mesh
-     * lacks of the tissue below (doc/numerics.md). The force then hardly depends on where between the nodes
-     * a tool is. stiffness then only keeps a tool from sinking in by more than half its radius. Otherwise
-     * each triangle is touched in its nearest point, which is up to four times too stiff. true */
+    /* Without subdivisions: spheres and capsules touch triangles in points with the local compliance that the
+     * mesh lacks (doc/numerics.md). The force then hardly depends on where between the nodes a tool is.
+     * stiffness then only keeps a tool from sinking in by more than half its radius. Otherwise each triangle
+     * is touched in its nearest point, which is up to four times too stiff. true */
     bool local;
     /* Tissue touches itself, and other tissues of the mesh (palp_mesh_join): nodes of the surface touch its
      * triangles, apart from those next to them. A node stays on its side of a triangle, wherever a step takes

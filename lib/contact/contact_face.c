@@ -1,5 +1,5 @@
 /* contact_face.c: a fixed point of a triangle in a sphere or capsule: its depth along the triangle's normal,
- * and how it gives way by what the mesh lacks of the tissue below. */
+ * and the local compliance that the mesh lacks. */
 #include "contact_internal.h"
 
 #include <string.h>
@@ -169,7 +169,7 @@ void contact_face_times(const contact *c, const double *u, double *out) {
     }
 }
 
-/* ---- what gives way ------------------------------------------------------------------------------ */
+/* ---- local compliance ---------------------------------------------------------------------------- */
 
 /* Young's modulus times the area of a triangle over its spacing, and the mean stiffness of the parts of its
  * nodes: 2.134 K and 2.561 K per spacing for cells scaled as a solid (doc/numerics.md). */
@@ -188,12 +188,12 @@ double contact_stiffening(const palp_material *material, double modulus) {
     return slope * slope / (slope + BEND);
 }
 
-/* What a triangle's point of this stiffness E A / h, N/m, gives way below a sphere of this radius: what the
- * mesh of the spacing h lacks of Hertz's solid, to half the radius; beyond that it is hard, so that no tool
- * sinks in. uneven: 1 on a node, 0 in the middle of a triangle. solid: E by Poisson's ratio over that at 1/4.
- * The cells' volume leaves the nodes as soft as springs do, so what takes the mesh's own part from the solid
- * gets stiffer twice. Constants and that rule by data/contact/local_law.py. The tissue there gets stiffer
- * with the strain u / h as elements do. */
+/* Force law of a triangle's point of this stiffness E A / h, N/m, below a sphere of this radius. To half the
+ * radius it is the local compliance of Hertz's solid that a mesh of spacing h lacks. Beyond that it is hard,
+ * so that no tool sinks in. uneven: 1 on a node, 0 in the middle of a triangle. solid: E by Poisson's ratio
+ * over that at 1/4. Its square scales the terms that take off the mesh's own compliance, since the cells'
+ * volume hardly stiffens nodes. Constants and this rule are from data/contact/local_law.py. The tissue there
+ * stiffens with the strain u / h as elements do. */
 static contact_law local_law(const contact_set *set, double stiffness, double radius, double spacing,
                              double uneven) {
     const double root = set->solid * stiffness, mesh = set->solid * root;

@@ -1,4 +1,4 @@
-/* contact_term.c: the tools of a network, and what they feel. */
+/* contact_term.c: the tools of a network, and the forces on them. */
 #include "contact_term.h"
 
 #include "mesh/mesh_internal.h"
@@ -283,7 +283,7 @@ static void move_nodes_with_tools(network_term *term, palp_network *net) {
             net->next.x[i] += moves[i] / t->weight[i / 3];
 }
 
-/* ---- a residual that is left --------------------------------------------------------------------- */
+/* ---- remaining residual -------------------------------------------------------------------------- */
 
 static void add_contact_weights(const network_term *term, const palp_network *net, double *weight) {
     const contact_term *t = (const contact_term *)term;
@@ -412,7 +412,7 @@ static network_term *create_contact_term(const palp_network *net, size_t max_too
 static palp_status reserve_tangent_pairs(palp_network *net, const network_term *term) {
     const contact_term *t = (const contact_term *)term;
     if (!t || t->term.memory.failed || !t->layer)
-        return PALP_OK; /* network_add_terms tells what failed */
+        return PALP_OK; /* network_add_terms reports the failure */
     net->surface_stays = true;
     const skin *s = &t->layer->skin;
     return network_add_pairs(net, s->n_pairs, s->low, s->high);

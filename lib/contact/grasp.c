@@ -119,7 +119,7 @@ static bool add_grasp_energy(const network_term *term, const palp_network *net, 
     return true;
 }
 
-/* ---- a residual that is left --------------------------------------------------------------------- */
+/* ---- remaining residual -------------------------------------------------------------------------- */
 
 static void add_grasp_weights(const network_term *term, const palp_network *net, double *weight) {
     const grasp *t = (const grasp *)term;

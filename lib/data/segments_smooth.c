@@ -1,5 +1,5 @@
 /* segments_smooth.c: the path of a plate whose recorded depth is noisy, as a tracker's or an LVDT's is. A
- * model that follows the noise sees it in its forces; what that leaves looks like inertia or a lag. */
+ * model that follows the noise sees it in its forces; the remaining noise looks like inertia or a lag. */
 #include "base/dense.h"
 #include "base/statistics.h"
 #include "segments_internal.h"

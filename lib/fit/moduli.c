@@ -1,5 +1,5 @@
-/* moduli.c: recordings whose depth is replaced by the force over G that their tip has at it: then they are
- * those of a linear solid, which the lumped fit knows, and G is its stiffness. */
+/* moduli.c: recordings whose depth is replaced by their tip's force over G at that depth. They are then those
+ * of a linear solid with the stiffness G, which the lumped fit finds. */
 #include <palpate/characterize.h>
 #include <palpate/moduli.h>
 
@@ -53,7 +53,7 @@ static palp_status linear_run(const palp_recording *from, const palp_indentation
     return PALP_OK;
 }
 
-/* One constant law for recordings [n] that are those of different tips. */
+/* One constant law for recordings [n] of different tips. */
 static palp_status fit_linear(size_t n, const palp_recording *const *run, const palp_indentation *const *tip,
                               const palp_moduli_settings *settings, double poisson, double *area_m2,
                               palp_lumped_fit *fit, palp_error *error) {
@@ -114,8 +114,8 @@ static palp_status squares(const palp_recording *r, const palp_indentation *tip,
     return status;
 }
 
-/* How much earlier the contact may be, with a step to spare: a third of the depth, less where the tip's
- * tables end before. */
+/* Largest shift of contact to earlier, with a step to spare: a third of the depth, or less where the tip's
+ * tables end. */
 static double earliest(const palp_recording *r, const palp_indentation *tip, double poisson, double step) {
     double low = -r->deepest_m / 3, force = 0;
     palp_recording deeper = *r;
@@ -128,8 +128,8 @@ static double earliest(const palp_recording *r, const palp_indentation *tip, dou
     return low;
 }
 
-/* Golden section for the shift of least squares, within a third of the depth; its sd by how fast they grow,
- * over what they are. ERR_LIMIT: it would be where the tip's tables have ended. */
+/* Golden section for the shift of least squares, within a third of the depth; its sd from their growth
+ * relative to their size. ERR_LIMIT: it lies beyond the tip's tables. */
 static palp_status find_contact(const palp_recording *r, const palp_indentation *tip,
                                 const palp_moduli_settings *settings, double poisson, palp_recording *found,
                                 palp_error *error) {
@@ -186,7 +186,7 @@ static palp_status find_contacts(size_t n, const palp_recording *recordings, con
 
 /* ---- Poisson's ratio ---- */
 
-/* The runs of one tip: its own long-term modulus at a ratio taken for known. */
+/* The runs of one tip: its long-term modulus at a given ratio. */
 typedef struct group {
     const palp_indentation *tip;
     const palp_recording *deepest;       /* of its runs */
@@ -259,7 +259,7 @@ static palp_status group_make(size_t n, const palp_recording **run, const palp_i
     return fill_reach(g);
 }
 
-/* How the groups' moduli disagree at a ratio, over their sds squared. */
+/* Disagreement of the groups' moduli at a ratio: squares over their variances. */
 static double disagreement(size_t n, const group *g, int at, int reference) {
     double sum = 0, weight = 0, chi2 = 0;
     for (int again = 0; again < 2; again++)
@@ -332,7 +332,7 @@ static palp_modulus times(palp_modulus m, double factor) {
     return (palp_modulus){m.value * factor, m.sd * factor, m.low * factor, m.high * factor};
 }
 
-/* Of the fit's stiffnesses, and of the ratio's doubt by how much log G changes with it. */
+/* Variance of log G: of the fit's stiffnesses, and of the ratio by the derivative. */
 static void fill_moduli(const palp_lumped_fit *fit, double area_m2, double by_poisson, palp_moduli *m) {
     const palp_material *material = &fit->material;
     size_t n = fit->n_parameters;
@@ -356,7 +356,7 @@ static void fill_moduli(const palp_lumped_fit *fit, double area_m2, double by_po
     m->young_0_Pa = times(m->shear_0_Pa, 2.0 * (1.0 + m->poisson.value));
 }
 
-/* What the deepest run's modulus would be at another ratio. */
+/* The deepest run's modulus at another ratio. */
 static palp_status fill_range(const palp_recording *r, const palp_indentation *tip, palp_moduli *m,
                               double *by_poisson) {
     double at[5] = {m->poisson.value, 0.5, 0.3, fmin(m->poisson.value, 0.49) + 0.01,
@@ -424,8 +424,8 @@ static palp_status fit_all(size_t n, const palp_recording *recordings, const pal
     return status;
 }
 
-/* The ratio hangs on contacts of curved tips, and they on the ratio, a little: Aitken's step of two rounds
- * ends that. */
+/* Ratio and contacts of curved tips depend on each other a little. Aitken's step after two rounds gives the
+ * limit. */
 static palp_status find_both(size_t n, const palp_recording *recordings, const palp_indentation *tips,
                              const palp_moduli_settings *settings, palp_recording *found, palp_moduli *m,
                              palp_error *error) {

@@ -1,5 +1,5 @@
 /* palpation.c: a ball of another stiffness from a map of presses: its place and radius by least squares for
- * each of several stiffnesses, which are strung on one ridge; the evidence is a sum over these. */
+ * each of several stiffnesses along a ridge of the likelihood; the evidence is a sum over these. */
 #include <palpate/palpation.h>
 
 #include "base/dense.h"
@@ -29,8 +29,8 @@ static const double SOFT = 0.15;      /* half width of the ball's edge, in mean 
 static const double SHIFT = 0.02;     /* of a parameter for its derivative, in mean edges */
 static const double LEAST = 0.6;      /* smallest radius, in mean edges: smaller balls are not in the mesh */
 static const double MOST = 0.45;      /* largest, of the shortest side of the mesh */
-static const double LOST = 10.0;      /* residual of a ball that the network cannot be pressed with */
-static const double FINER = 1.6;      /* cells a side of the lattice that shows the own one's error */
+static const double LOST = 10.0;      /* residual of a ball with which the network has no equilibrium */
+static const double FINER = 1.6;      /* cells a side of the lattice by which the error is measured */
 static const double TOLERANCE = 1e-6; /* of an equilibrium; that of its energy is the square of it */
 static const double PI2 = 6.283185307179586;
 
@@ -43,7 +43,7 @@ typedef struct search {
     const palp_palpation_press *press;
     double edge, low[3], high[3], shortest;
     palp_network *touched, *bare; /* with the tool, and without */
-    double known_squares;         /* of errors of so many presses: what is known of them before */
+    double known_squares;         /* weight of the prior of the errors, in presses */
     size_t known;
     double *x;              /* [3 n_nodes] for each level of each press: the last equilibrium */
     bool solved;            /* x holds some */
@@ -151,8 +151,8 @@ static palp_status solve_presses(search *s, palp_error *error) {
     return status;
 }
 
-/* The part of the mean forces that elements and cells have with the nodes at x. Nodes in equilibrium may be
- * held for a derivative: the energy does not change with them to first order. */
+/* The mean forces of elements and cells with the nodes at x. For a derivative nodes in equilibrium may stay:
+ * the energy does not change with them to first order. */
 static palp_status work_of_held_nodes(search *s, double *work) {
     palp_network *net = NULL;
     palp_status status = use_network(s, false, &net, NULL);
@@ -303,7 +303,7 @@ typedef struct start {
     double p[PLACE], score, sign;
 } start;
 
-/* How much of the residual a ball there explains, if the forces changed in proportion to the logarithm of its
+/* The part of the residual that a ball there explains, if forces change in proportion to the logarithm of its
  * stiffness: *sign is that of the stiffness. */
 static palp_status score_of_place(search *s, const double *residual, const double p[PLACE], double *score,
                                   double *sign) {
@@ -400,9 +400,9 @@ static palp_status fit_all_stiffnesses(search *s, const candidate *first, candid
     return status;
 }
 
-/* Logarithm of the ratio of marginal likelihoods, this ball over none: the variance of the forces is
- * integrated out with what is known of it before, and the gain; the place over the mesh and the logarithm of
- * the radius over its range, by Laplace's method. */
+/* Logarithm of the ratio of marginal likelihoods, this ball over none: the variance of the forces, with its
+ * prior, and the gain are integrated out; the place over the mesh and the logarithm of the radius over its
+ * range, by Laplace's method. */
 static double evidence_of_ball(const search *s, const candidate *c, double squares) {
     const double freedom = (double)(s->n - 1 + s->known), own = c->squares + s->known_squares,
                  none = squares + s->known_squares, variance = own / freedom;
@@ -421,7 +421,7 @@ static double evidence_of_ball(const search *s, const candidate *c, double squar
     return -0.5 * freedom * log(own / none) + fmin(volume, 0.0);
 }
 
-/* Width of the logarithm of the stiffness that one of them stands for. */
+/* Width of the interval of log stiffness of each of them. */
 static double width_of_stiffness(size_t i) {
     const double before = i > 0 ? STIFFNESS[i - 1] : 1.0,
                  after = i + 1 < STIFFNESSES ? STIFFNESS[i + 1] : STIFFNESS[i];
@@ -471,8 +471,8 @@ static double quantile_of_mixture(const mixture *m, double share, double low, do
     return 0.5 * (low + high);
 }
 
-/* The posterior of the stiffness is even over the width of each. Open where an end of the range has more than
- * the tail. */
+/* The posterior is uniform over the width of each stiffness. The interval is open where an end of the range
+ * has more than the tail. */
 static void find_interval_of_stiffness(const candidate found[STIFFNESSES],
                                        const double posterior[STIFFNESSES], double tail,
                                        palp_palpation_value *v) {
@@ -492,8 +492,7 @@ static void find_interval_of_stiffness(const candidate found[STIFFNESSES],
     v->high = softer ? exp(-end[0]) : open ? INFINITY : exp(end[1]);
 }
 
-/* The ball of the stiffness that has most of the posterior, whose number is returned, and intervals of all.
- */
+/* The ball of the most probable stiffness, whose index is returned, and intervals over all. */
 static size_t find_intervals(const search *s, const candidate found[STIFFNESSES],
                              const double posterior[STIFFNESSES], palp_palpation *result) {
     static const double TAIL = 0.025;
@@ -545,8 +544,8 @@ static bool factor_information(size_t n, const double *slope, size_t all,
     return dense_cholesky(WITH_GAIN, normal);
 }
 
-/* The candidate, of those from n on, whose force is known least by what the first n presses say of the ball:
- * it adds most information. */
+/* The candidate, of those from n on, whose force is least certain given the first n presses: it adds most
+ * information. */
 static size_t find_least_certain(size_t n, const double *slope, size_t all, const double *normal) {
     size_t next = all;
     double most = -1.0;

@@ -1,4 +1,4 @@
-/* relaxation_parameters.h: what the relaxation stage fits, and a material by its parameters. Internal. */
+/* relaxation_parameters.h: the parameters of the relaxation stage, and a material from them. Internal. */
 #ifndef RELAXATION_PARAMETERS_H
 #define RELAXATION_PARAMETERS_H
 
@@ -27,13 +27,13 @@ size_t relaxation_list(const palp_material *start, const palp_relaxation_setting
 void relaxation_first_guess(size_t n, const relaxation_parameter *list, const palp_material *start,
                             double *p);
 
-/* The material of p[n], start's but for what is fitted; what palp_material_check says of it. */
+/* The material of p[n], with start's other parameters; the status of palp_material_check. */
 palp_status relaxation_material(size_t n, const relaxation_parameter *list, const palp_material *start,
                                 const double *p, palp_material *material);
 
 /* Bounds as linear constraints row . p >= floor, row[2 n n] by rows, floor[2 n]; how many. longest: time of
- * the longest record, s: an arm much softer, quicker or slower than the records can tell would never come
- * back from there. */
+ * the longest record, s: the solver could not bring back an arm far softer, quicker or slower than the
+ * records show. */
 size_t relaxation_bounds(size_t n, const relaxation_parameter *list, const palp_material *start,
                          double longest, double *row, double *floor);
 

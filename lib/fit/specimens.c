@@ -120,7 +120,7 @@ static palp_status own_problem(const specimens *s, size_t k, fit_problem *p, pal
     return status;
 }
 
-/* The fit's numbers and what is known of them as those of the spread, of the specimen's own force. */
+/* The fit's parameters and their covariance as those of the spread, for the specimen's own force. */
 static void store(specimens *s, size_t k, const fit_problem *p, const double *v, const fit_curvature *c) {
     const size_t n = s->n_parameters;
     const double factor = s->fit->factor[k], widen = fit_inflation(c) * fit_inflation(c);
@@ -164,7 +164,7 @@ static palp_status fit_own(specimens *s, size_t k, palp_error *error) {
 
 /* ---- the mean ---- */
 
-/* Numbers of a spread as parameters of a fit. ERR_INPUT: an arm without stiffness. */
+/* Parameters of a spread as those of a fit. ERR_INPUT: an arm without stiffness. */
 static palp_status parameters_of(const specimens *s, const double *x, double *v) {
     memcpy(v, x, s->n_parameters * sizeof *v);
     for (size_t i = s->all.n_springs; i < s->n_parameters; i += 2) {
@@ -175,7 +175,7 @@ static palp_status parameters_of(const specimens *s, const double *x, double *v)
     return PALP_OK;
 }
 
-/* Covariance of a spread's numbers as that of coefficients, K_j and b_j = K_j tau_j at the mean. */
+/* Covariance of a spread's parameters as that of coefficients, K_j and b_j = K_j tau_j at the mean. */
 static void to_natural(const specimens *s, const double *c, double *to) {
     const size_t n = s->n_parameters, m = s->all.n_springs;
     double half[FIT_PARAMETERS_MAX];
@@ -218,7 +218,7 @@ static palp_status give_mean(specimens *s) {
     return status;
 }
 
-/* No more spread than chance makes: one fit of all, as they are, unless that tells fewer arms apart. */
+/* If the spread does not exceed chance: one fit of all without factors, unless it separates fewer arms. */
 static palp_status give_one(specimens *s, palp_error *error) {
     palp_characterize_settings settings = *s->settings;
     palp_lumped_fit one;
@@ -296,7 +296,7 @@ static palp_status take_memory(specimens *s) {
     return whole ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
-/* The shape that all have in common, with the arms that can be told apart. */
+/* The common shape, with the arms that the data separate. */
 static palp_status find_shape(specimens *s) {
     size_t n = fit_parameter_count(&s->all);
     double *room = arena_take(&s->all.memory, 2 * n * n, sizeof *room);

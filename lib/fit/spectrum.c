@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double TURN = 0.1; /* of the oscillation's range: what the path returns by */
+static const double TURN = 0.1; /* of the oscillation's range, by which the path returns */
 static const double OCTAVES =
-    1.189207115002721; /* a quarter of one: by how much the frequency changes in a stretch */
+    1.189207115002721; /* change of the frequency in a stretch, in octaves: a quarter */
 
 enum { FEWEST = 3, MOST = 100 }; /* cycles of a stretch */
 enum {
     SETTLES = 4
-}; /* of the cycles of one length, one in so many at the start: what was before still relaxes */
+}; /* of cycles of one length the first part, 1 in so many, is left out: the history still relaxes */
 
 void palp_spectrum_free(palp_spectrum *spectrum) {
     if (!spectrum)

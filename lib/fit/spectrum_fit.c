@@ -16,8 +16,8 @@ enum {
     HARMONIC_FEW = 12
 }; /* bins of a cycle; samples of one, and with harmonics */
 
-/* Samples, or means of neighbours where there are very many: path and force lose alike by it. The phase goes
- * by phase(x) = turn (e^(chirp x) - 1) / chirp. */
+/* Samples, or means of neighbours where there are very many, which changes path and force alike. The phase
+ * goes by phase(x) = turn (e^(chirp x) - 1) / chirp. */
 typedef struct stretch {
     size_t n;
     double *x, *depth, *force; /* [n] */
@@ -72,7 +72,7 @@ static void fill_row(const stretch *s, double x) {
     }
 }
 
-/* Least squares of path and force; false if the stretch does not carry the columns. */
+/* Least squares of path and force; false if the stretch is too short for the columns. */
 static bool solve(stretch *s) {
     size_t m = s->columns;
     for (size_t k = 0; k < m * m; k++)
@@ -106,7 +106,7 @@ static double complex wave(const stretch *s, const double *of, size_t order) {
     return of[k] + of[k + 1] * I;
 }
 
-/* Follows the path's phase until nothing of it is left to the other coefficients. */
+/* Fits the path's phase until the other coefficients of the fundamental vanish. */
 static bool follow(stretch *s) {
     for (int round = 0; round < ROUNDS; round++) {
         if (!solve(s) || cabs(wave(s, s->of_depth, 0)) == 0.0)

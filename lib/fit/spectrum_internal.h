@@ -11,7 +11,7 @@ typedef struct spectrum_stretch {
     bool sweeps;
 } spectrum_stretch;
 
-/* *found: whether the stretch tells anything. ERR_NO_MEMORY. */
+/* *found: whether the stretch gives a stiffness. ERR_NO_MEMORY. */
 palp_status spectrum_fit(const palp_recording *recording, const spectrum_stretch *stretch,
                          palp_spectrum_point *point, bool *found);
 

@@ -80,7 +80,7 @@ static palp_status check_region(const palp_network *net, const palp_region *r, p
     palp_status status = palp_material_check(&r->own_material, error);
     if (!status && (!has_stiffness_at_rest(&net->material) || !has_stiffness_at_rest(&r->own_material)))
         status =
-            palp_error_set(error, PALP_ERR_ARGUMENT, /* stiffnesses are told as multiples */
+            palp_error_set(error, PALP_ERR_ARGUMENT, /* stiffnesses are given as multiples */
                            "region \"%s\": a material of its own needs laws with stiffness at rest", r->name);
     return status;
 }

@@ -106,7 +106,7 @@ palp_status forward_lumped_create(const forward_plan *plan, size_t n_columns, do
 void forward_lumped_free(forward_lumped *lumped);
 forward_specimen forward_lumped_specimen(forward_lumped *lumped);
 
-/* Takes the load history over before the first step; tells it after the last. */
+/* Takes the load history over before the first step; gives it after the last. */
 void forward_lumped_take_history(forward_lumped *lumped, const palp_load_history *history);
 void forward_lumped_leave_history(const forward_lumped *lumped, palp_load_history *history);
 

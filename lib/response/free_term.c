@@ -9,7 +9,7 @@
 
 enum { N = PALP_FREE_NODES };
 
-/* What a kind runs over, and whether its force is in proportion to the depth. */
+/* The variable of a kind, and whether its force is in proportion to the depth. */
 typedef struct kind_row {
     bool logarithm, pressed, both_signs;
 } kind_row;
@@ -52,8 +52,8 @@ void free_term_hats(const double bend[FREE_BENDS], double at, double size, size_
 
 /* ---- where a path is ---- */
 
-/* The way that the plate goes, 1 in and -1 out, and how far it has come since it turned. It has turned once
- * it has come back by a hundredth of the deepest. */
+/* The direction of the plate, 1 in and -1 out, and its way since it turned. It has turned once it has gone
+ * back by a hundredth of the deepest. */
 typedef struct way {
     double most, least, turned;
     bool back;

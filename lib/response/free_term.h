@@ -1,4 +1,4 @@
-/* free_term.h: the splines of which a free term is a sum, and where on their grid a path is. Internal. */
+/* free_term.h: the splines whose sum is a free term, and the place of a path on their grid. Internal. */
 #ifndef RESPONSE_FREE_TERM_H
 #define RESPONSE_FREE_TERM_H
 

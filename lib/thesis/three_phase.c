@@ -189,7 +189,7 @@ static palp_status check_three_phase_input(const palp_material *start, const pal
     return palp_material_check(start, NULL);
 }
 
-/* One global iteration: the three phases, and what the material they leave reaches. */
+/* One global iteration: the three phases, and the response of the resulting material. */
 static palp_status iterate_three_phases(three_phase *s) {
     palp_status status = match_mark_by_scaling(s, 1);
     if (!status)
