@@ -73,7 +73,7 @@ near "time of the arm" "$(found relaxation_arm time_s)" 6 0.1
 case $(verdict) in
 ambiguous)
     expect 3 acquire --port rig:rig.json --firmware host --protocol protocol.json --out short --until-explained plain.json --every 8 --false-alarm $alarm --budget-s 0.1
-    grep -q 'several causes are left' err || fail "no word of the causes: $(cat err)" ;;
+    grep -q 'several effects fit' err || fail "no word of the causes: $(cat err)" ;;
 esac
 
 # ---- the rig as it is: nothing to explain ----

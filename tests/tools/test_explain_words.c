@@ -116,11 +116,11 @@ static bool says(const char *verdict, const char *before, const char *after, con
 
 static void test_sentences_agree_with_their_numbers(void **state) {
     (void)state;
-    const char *shape = "of a shape that noise has not";
+    const char *shape = "but not its shape";
     assert_true(says("unexplained", "0.1", "0.003", "0.002", NULL,
                      shape)); /* the residual is less than the noise of 4 mN */
     assert_false(says("unexplained", "0.1", "0.05", "0.049", NULL, shape));
-    assert_false(says("unexplained", "0.1", "0.003", "0", NULL, "structure remain"));
+    assert_false(says("unexplained", "0.1", "0.003", "0", NULL, "Beyond the noise"));
     assert_true(says("explained", "0.1", "0.003", "0", "0.9", "falls from 100 mN, rms, to 3 mN"));
     assert_false(says("explained", "0.1", "0.2", "0", "0.9", "falls from"));
     assert_true(says("explained", "0.1", "0.2", "0", "0.9", "goes up from 100 mN, rms, to 200 mN"));
@@ -145,7 +145,7 @@ static void test_runs_without_a_specimen_are_named(void **state) {
     } cases[] = {{"air", "true", "In air, as the file says: b.csv, c.csv."},
                  {"block", "true", "On a rigid block, as the file says: b.csv, c.csv."},
                  {"block", "false", "Taken for a rigid block, by force and travel: b.csv, c.csv."},
-                 {"air", "false", "Taken for a run in air, as it feels almost no force: b.csv, c.csv."}};
+                 {"air", "false", "Taken for a run in air, as it has almost no force: b.csv, c.csv."}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char result[1024];

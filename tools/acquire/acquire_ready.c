@@ -1,4 +1,4 @@
-/* acquire_ready.c: what comes before a run: limits and gains, home, tare, contact. */
+/* acquire_ready.c: preparations of a run: limits and gains, home, tare, contact. */
 #include "acquire_session.h"
 
 #include <math.h>

@@ -99,7 +99,7 @@ static outcome one_run(session *s, size_t i) {
     return lost ? session_fail(s, "the device has restarted, %s", s->doing) : end;
 }
 
-/* Notes a run with too many lost samples; the session continues, but its exit code tells. */
+/* Notes a run with too many lost samples; the session continues, but its exit code reports it. */
 static void note_loss(session *s) {
     const acquire_figures *g = &s->file.figures;
     const size_t missing = g->lost + g->bad, all = g->samples + missing;

@@ -42,12 +42,12 @@ int acquire_setup_close(acquire_setup *setup);
 typedef struct acquire_until {
     const char *model;  /* NULL: it does not */
     double time_s;      /* for all further experiments; 0: as long as the session takes */
-    size_t every;       /* of each run explain takes one sample in so many; 0: as many as it likes */
+    size_t every;       /* explain takes one sample in so many of each run; 0: its default */
     double false_alarm; /* chance that explain names an effect where none is; 0: explain's own */
 } acquire_until;
 
 /* After a session of this plan: palpate explain says what its recordings and the model leave open, and
- * designs the experiment that would tell; it is run, until one cause is left. The plan is overwritten.
+ * designs an experiment, which is run; so on, until no effect has look-alikes. The plan is overwritten.
  * explain.json, explained.json and next.json stand beside the recordings. summary: of the session, or NULL;
  * gets the further runs and the verdict. Returns an exit code, CLI_NOT_CONVERGED where more than one cause is
  * left or none fits. */

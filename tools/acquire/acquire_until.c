@@ -188,7 +188,7 @@ int acquire_until_explained(acquire_setup *setup, acquire_plan *plan, const acqu
         const bool open = strcmp(verdict, "ambiguous") == 0 || strcmp(verdict, "unexplained") == 0 ||
                           strcmp(verdict, "suspected") == 0;
         if (strcmp(verdict, "ambiguous") == 0)
-            cli_warning(NAME, "several causes are left: no further experiment fits the time");
+            cli_warning(NAME, "several effects fit the recordings: no further experiment fits the time");
         if (summary)
             json_object_set_new(summary, "verdict", json_string(verdict));
         code = open ? CLI_NOT_CONVERGED : CLI_OK;

@@ -75,7 +75,7 @@ size_t batch_line_of(const char *text, const char *key, size_t index);
 
 /* ---- batch_journal.c ---- */
 
-/* Takes over what the journals of the folder say of the plan's jobs. */
+/* Takes over the plan's jobs from the journals of the folder. */
 int batch_journal_load(const char *out, batch_plan *plan);
 
 /* Makes one journal of those that tasks wrote. */

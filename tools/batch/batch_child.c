@@ -19,7 +19,7 @@ double batch_now_s(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* The child does with signals what the batch was told to, and not what it does with its own. */
+/* The child gets the signal actions that the batch was started with, not the batch's own. */
 static void reset_signals(const sigset_t *mask) {
     static const int numbers[] = {SIGCHLD, SIGINT, SIGTERM, SIGHUP};
     struct sigaction usual = {.sa_handler = SIG_DFL}, now;

@@ -80,7 +80,7 @@ static void release_signals(const struct sigaction before[CAUGHT]) {
     close(wake[1]);
 }
 
-/* What has ended leaves its place and is kept as a result, or dropped. */
+/* An ended job frees its place; its result is kept or dropped. */
 static void reap(running *r, bool keep) {
     int status;
     for (size_t i = 0; i < r->o->jobs; i++) {

@@ -1,5 +1,5 @@
-/* characterize_contact.c: contacts that differ from run to run, found beside the law and the arms before all
- * other fits. */
+/* characterize_contact.c: contacts that differ from run to run, found together with the law and the arms
+ * before all other fits. */
 #include "characterize.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* characterize_json.c: what palpate characterize found, as JSON. */
+/* characterize_json.c: the result of palpate characterize as JSON. */
 #include "characterize.h"
 
 static void set_text(json_t *to, const char *key, const char *text) {

@@ -1,4 +1,4 @@
-/* characterize_law.c: first guesses of the stiffness law, and which law the data ask for. */
+/* characterize_law.c: first guesses of the stiffness law, and the choice of a law. */
 #include "characterize.h"
 
 #include <math.h>

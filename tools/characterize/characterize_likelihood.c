@@ -1,5 +1,5 @@
-/* characterize_likelihood.c: --likelihood: law, arms, contacts and specimens by the likelihood that palpate
- * explain has. */
+/* characterize_likelihood.c: --likelihood: law, arms, contacts and specimens by the likelihood of palpate
+ * explain. */
 #include <palpate/explain.h>
 
 #include "characterize.h"
@@ -105,7 +105,7 @@ static palp_status choose(const characterize_options *o, characterize_state *s, 
 
 /* ---- the result ---- */
 
-/* What the model leaves of all samples that count, without a zero and a gain of each run's own. */
+/* Residual of the model over all samples that count, without a zero and a gain of each run. */
 static palp_status measure_residuals(characterize_state *s) {
     for (size_t r = 0; r < s->n; r++) {
         const palp_recording *run = &s->run[r];

@@ -1,4 +1,4 @@
-/* characterize_print.c: what palpate characterize found, as text. */
+/* characterize_print.c: the result of palpate characterize as text. */
 #include "characterize.h"
 #include "shared/digits.h"
 #include "shared/law_text.h"

@@ -1,4 +1,4 @@
-/* characterize_read.c: the runs of palpate characterize and what is found in each. */
+/* characterize_read.c: the runs of palpate characterize, and the contact, noise and defects of each. */
 #include "characterize.h"
 #include "shared/opening.h"
 

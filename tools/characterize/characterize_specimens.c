@@ -1,5 +1,5 @@
-/* characterize_specimens.c: several specimens in one call: which run is of which, one height and area for
- * all, their mean and how they differ. */
+/* characterize_specimens.c: several specimens in one call: the specimen of each run, one height and area for
+ * all, their mean and their spread. */
 #include "characterize.h"
 
 #include <math.h>

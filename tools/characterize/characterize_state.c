@@ -1,4 +1,4 @@
-/* characterize_state.c: what is asked of the state of palpate characterize, and warnings. */
+/* characterize_state.c: queries of the state of palpate characterize, and warnings. */
 #include "characterize.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* cmd_explain.c: palpate explain: what a model misses in measured runs, named and added. */
+/* cmd_explain.c: palpate explain: names and adds the effects that a model misses in measured runs. */
 #define _POSIX_C_SOURCE 200809L
 #include <palpate/explain.h>
 
@@ -161,7 +161,7 @@ static void extend_range(palp_model *model, size_t n, palp_experiment *const *ru
         palp_law_limit(law, deepest);
 }
 
-/* The bar, and the share of the work that is done; threads take turns. */
+/* The progress bar, and the finished share of the work; threads take turns. */
 typedef struct watch {
     pthread_mutex_t lock;
     progress bar;
@@ -215,7 +215,7 @@ static palp_status watched(const explain_options *o, const palp_model *model, co
     return status;
 }
 
-/* What the runs are compared with: a model, or the simulated runs beside them. */
+/* The given model, or none with simulated runs. */
 static int open_compared(const explain_options *o, palp_model *model, palp_mesh_source *mesh,
                          palp_explain_input *simulated, palp_experiment **run) {
     int code = CLI_OK;

@@ -28,7 +28,7 @@ typedef struct explain_options {
  * (explain_pairs.c) */
 int explain_pair(const char *command, explain_options *o);
 
-/* As the file of the result has it; NULL = out of memory. (explain_json.c) */
+/* The result as JSON; NULL = out of memory. (explain_json.c) */
 json_t *explain_json(const explain_options *o, const palp_explanation *e);
 
 /* rms of recorded minus model by run, depth and speed, as given and with the effects. (explain_profile.c) */

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What a kind runs over, in words and in the unit of the result. */
+/* The variable of a kind, in words and in the unit of the result. */
 static const struct {
     const char *words, *unit;
     double size;

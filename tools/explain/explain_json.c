@@ -59,7 +59,7 @@ static void add_scatter(json_t *list, const char *id, const char *key, double va
     json_array_append_new(list, object);
 }
 
-/* What differs from run to run by more than the noise hides. */
+/* Scatter from run to run that is distinguishable from noise. */
 static json_t *scatter_json(const palp_explanation *e) {
     json_t *list = json_array();
     add_scatter(list, "zero_scatter", "sd_N", e->zero.sd, &e->zero, e);
@@ -86,7 +86,8 @@ static void add_law(json_t *root, const palp_explanation *e) {
     json_object_set_new(root, "law", law);
 }
 
-/* What no term follows, by what it depends on; its share is of the squared residual with the effects. */
+/* The discrepancy by the variable that it depends on; its share is of the squared residual with the
+ * effects. */
 static void add_discrepancy(json_t *root, const palp_explanation *e) {
     const palp_explain_discrepancy *d = &e->discrepancy;
     const struct {
@@ -143,7 +144,7 @@ static json_t *peak_json(const palp_explain_peak *peak, const char *key, double 
     return object;
 }
 
-/* The strongest lines of the residual, and what free curves could still take off it. */
+/* The strongest lines of the residual, and the part that free curves could remove. */
 static json_t *diagnostics_json(const palp_explanation *e) {
     json_t *diagnostics = json_object(), *curves = json_object();
     json_figures(curves, {"depth_N", e->diagnostics.by_depth_N}, {"time_N", e->diagnostics.by_time_N},
@@ -241,7 +242,7 @@ static json_t *pressed_json(const explain_options *o, const palp_explanation *e)
     return list;
 }
 
-/* The pairs, and by how much the lumped model that tells the slopes misses the simulated forces. */
+/* The pairs, and the error of the lumped model for the simulated forces. */
 static json_t *simulated_json(const explain_options *o, const palp_explanation *e) {
     json_t *all = json_object(), *list = json_array();
     for (size_t r = 0; r < o->n_words; r++)

@@ -18,7 +18,7 @@ static size_t later_of_name(const explain_options *o, size_t i) {
     return k;
 }
 
-/* Of two words of one name the first is the simulated run. What has no other is a run without one. */
+/* Of two words of one name the first is the simulated run. A word without a partner is a run without one. */
 static void pair_by_name(explain_options *o) {
     size_t n = 0;
     bool simulated[2 * EXPLAIN_RUNS_MAX];

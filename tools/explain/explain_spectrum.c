@@ -1,5 +1,5 @@
-/* explain_spectrum.c: how large the waves in recorded minus model are, over time and over depth. A wave is
- * fitted in stretches of so many of its periods, each with a mean and a phase of its own. */
+/* explain_spectrum.c: amplitudes of waves in recorded minus model, over time and over depth. A wave is fitted
+ * in stretches of so many of its periods, each with a mean and a phase of its own. */
 #include "explain.h"
 #include "shared/json_out.h"
 

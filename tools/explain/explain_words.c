@@ -1,5 +1,5 @@
-/* explain_words.c: what palpate explain found, in sentences: the terminal prints them, and the result has
- * them for the page. A number that is none, or that contradicts another, is not printed. */
+/* explain_words.c: the result of palpate explain in sentences, for the terminal and for the page. A number
+ * that is missing, or that contradicts another, is not printed. */
 #include "explain.h"
 #include "shared/json_out.h"
 
@@ -18,15 +18,15 @@ static const char *verdict_sentence(const char *verdict, double unexplained_N) {
     static const char *const text[][2] = {
         {"agrees", "Nothing is missing that these runs could show."},
         {"explained", "With the effects below, what remains is at the noise level."},
-        {"ambiguous",
-         "The effects below close the gap, but others would do as well; they are named with each."},
-        {"suspected", "Something may be missing: these recordings suggest candidates, and more of them would "
-                      "have to confirm one."},
-        {"unexplained", "Something is missing that no effect of the catalogue accounts for."},
+        {"ambiguous", "The effects below close the gap, but others fit as well; they are named with each."},
+        {"suspected",
+         "An effect may be missing: these recordings suggest candidates, which others would have "
+         "to confirm."},
+        {"unexplained", "Something is missing that no effect of the catalogue describes."},
         {"another_law", "No effect is missing, but the material follows another law than the given one."},
     };
     if (strcmp(verdict, "agrees") == 0 && unexplained_N > 0)
-        return "What is left is more than noise, but below the practical limit.";
+        return "The residual exceeds the noise, but is below the practical limit.";
     for (size_t i = 0; i < sizeof text / sizeof text[0]; i++)
         if (strcmp(verdict, text[i][0]) == 0)
             return text[i][1];
@@ -131,24 +131,22 @@ static void add_rest(json_t *story, const json_t *all) {
     force_text(rest, force);
     if (is_verdict(all, "agrees") && known)
         add(story,
-            "What is above that, %s, is less than two thirds of the noise level or the practical limit.",
+            "The residual above that, %s, is less than two thirds of the noise level or the practical limit.",
             force);
     if (!is_verdict(all, "unexplained") && !is_verdict(all, "suspected"))
         return;
     if (known)
-        add(story, "Beyond noise %s, rms, of structure remain%s.", force,
-            below ? ": together with the noise no more than was expected of it, but of a shape that noise "
-                    "has not"
-                  : "");
+        add(story, "Beyond the noise a residual of %s, rms, remains%s.", force,
+            below ? ": its size is that of noise, but not its shape" : "");
     if (is_verdict(all, "suspected"))
         add(story,
             "An effect is named when other experiments confirm it; until then its candidates are ranked.");
     else
         add(story, some ? "The effects named are there, but they are not all."
-                        : "No effect is named: none is clearly more probable than a cause without a name.");
+                        : "No effect is named: none is clearly more probable than an unknown cause.");
 }
 
-/* What stands in for the simulation, and what a gain may mean beside it. */
+/* The lumped model of the simulation, and another cause of a gain. */
 static void add_simulated(json_t *story, const json_t *all) {
     const json_t *simulated = json_object_get(all, "simulated"), *list = json_object_get(all, "effects"),
                  *one;
@@ -156,8 +154,9 @@ static void add_simulated(json_t *story, const json_t *all) {
     if (!json_is_object(simulated))
         return;
     add(story,
-        "The lumped model that tells how the simulated force changes with the effects is %s, rms, off it; "
-        "that part is taken from the simulation as it is.",
+        "The lumped model, which gives the change of the simulated force with the effects, is off by %s, "
+        "rms. "
+        "This difference is taken from the simulation.",
         force_text(json_number_at(simulated, "lumped_off_N"), force));
     for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++)
         if (strcmp(json_text_at(one, "id"), "sensor_gain") == 0)
@@ -165,7 +164,7 @@ static void add_simulated(json_t *story, const json_t *all) {
                 "A simulated specimen that is too soft or too stiff by that factor looks like the gain.");
 }
 
-/* What no term of the model follows, by what it depends on, the largest part first. */
+/* The largest part of the discrepancy, by the variable that it depends on. */
 static void add_discrepancy(json_t *story, const json_t *all) {
     static const char *const words[][2] = {{"depth_loading", "the depth on the way in"},
                                            {"depth_unloading", "the depth on the way out"},
@@ -181,9 +180,8 @@ static void add_discrepancy(json_t *story, const json_t *all) {
             most = one;
     for (size_t i = 0; most && i < sizeof words / sizeof *words; i++)
         if (strcmp(json_text_at(most, "depends_on"), words[i][0]) == 0)
-            add(story, "Most of it depends on %s: %s, rms, %.0f %% of the square of what is left.",
-                words[i][1], force_text(json_number_at(most, "rms_N"), force),
-                100 * json_number_at(most, "share"));
+            add(story, "Most of it depends on %s: %s, rms, %.0f %% of the squared residual.", words[i][1],
+                force_text(json_number_at(most, "rms_N"), force), 100 * json_number_at(most, "share"));
 }
 
 /* ---- what else differs ---- */
@@ -239,7 +237,8 @@ static void add_scatter(json_t *story, const json_t *all) {
             force_text(json_number_at(one, "gap_before_N"), before);
             force_text(json_number_at(one, "gap_after_N"), after);
             add(story,
-                "The %s differ by %.3g %s (standard deviation): without that %s, rms, would be left, not %s.",
+                "The %s differ by %.3g %s (standard deviation). Without that the residual would be %s, rms, "
+                "not %s.",
                 kinds[k].what, sd, kinds[k].unit, before, after);
         }
 }
@@ -251,7 +250,7 @@ static void add_classes(json_t *story, const json_t *all) {
     for (size_t i = 0; (effect = json_array_get(list, i)) != NULL; i++) {
         name_list(json_object_get(effect, "class"), 1, " or ", alike);
         if (alike[0])
-            add(story, "What is called %s here could as well be %s: these runs cannot tell.",
+            add(story, "The effect named %s could as well be %s: these runs do not separate them.",
                 effect_name(json_text_at(effect, "id")), alike);
     }
 }
@@ -278,9 +277,10 @@ static void add_objects(json_t *story, const json_t *all) {
     add_pressed(story, all, "air", true, "In air, as the file says");
     add_pressed(story, all, "block", true, "On a rigid block, as the file says");
     add_pressed(story, all, "block", false, "Taken for a rigid block, by force and travel");
-    if (add_pressed(story, all, "air", false, "Taken for a run in air, as it feels almost no force"))
-        add(story, "No file says so: with a specimen under the plate it would be a dead sensor, and the run "
-                   "has to be left out.");
+    if (add_pressed(story, all, "air", false, "Taken for a run in air, as it has almost no force"))
+        add(story,
+            "No file declares it. With a specimen under the plate it would be a dead sensor: leave the "
+            "run out then.");
 }
 
 static json_t *tell(const json_t *all) {
@@ -334,16 +334,17 @@ static void repeat_words(const json_t *all, char text[2 * LINE]) {
         if (!worst || json_number_at(run, "after_N") > json_number_at(worst, "after_N"))
             worst = run;
     if (json_array_size(runs) == 1)
-        snprintf(text, 2 * LINE,
-                 "Press again the same way, and once more at another depth and speed: what comes back is no "
-                 "accident.");
+        snprintf(
+            text, 2 * LINE,
+            "Press again the same way, and once more at another depth and speed: only a systematic residual "
+            "comes back.");
     else
-        snprintf(text, 2 * LINE,
-                 "For what has no name no experiment can be computed. Repeat %s, where most is left (%s "
-                 "rms): what comes back is no "
-                 "accident.",
-                 worst ? cli_base(json_text_at(worst, "experiment")) : "an experiment",
-                 force_text(worst ? json_number_at(worst, "after_N") : NAN, force));
+        snprintf(
+            text, 2 * LINE,
+            "No experiment can be designed for an unknown cause. Repeat %s, which has the largest residual "
+            "(%s rms): only a systematic one comes back.",
+            worst ? cli_base(json_text_at(worst, "experiment")) : "an experiment",
+            force_text(worst ? json_number_at(worst, "after_N") : NAN, force));
 }
 
 /* All runs of the next experiment. */
@@ -366,18 +367,18 @@ static void next_text(const json_t *all, char text[4 * LINE]) {
         runs_words(runs, what);
         snprintf(
             text, 4 * LINE,
-            "Measure %.500s. Both %.200s fit the runs there are. In the first of these the forces that they "
-            "predict are %s apart, rms, after a zero and a gain of the run's own (the noise level is %s).",
+            "Measure %.500s. Both %.200s fit the present runs. In the first new run the forces that they "
+            "predict differ by %s, rms, after a fit of zero and gain (the noise level is %s).",
             what, both, force_text(json_number_at(next, "separation_N"), apart),
             force_text(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
     } else if (json_is_object(next)) {
-        snprintf(text, 2 * LINE, "No run that the indenter can do tells %s apart.", both);
+        snprintf(text, 2 * LINE, "No run that the indenter can do separates %s.", both);
     } else if (strcmp(verdict, "unexplained") == 0 || strcmp(verdict, "suspected") == 0) {
         repeat_words(all, text);
     } else {
-        snprintf(text, 2 * LINE, "Nothing is left to be told apart.%s",
+        snprintf(text, 2 * LINE, "There are no look-alikes to separate.%s",
                  json_array_size(json_object_get(all, "not_identifiable")) > 0
-                     ? " What these runs cannot show, the page and the result list."
+                     ? " The page and the result list what these runs cannot show."
                      : "");
     }
 }
@@ -409,8 +410,8 @@ static void say_effect(FILE *to, const json_t *effect) {
     fputc('\n', to);
 }
 
-/* Of the candidates that gain anything and were not taken the one that gains most after last, or NULL; last
- * NULL: the first. */
+/* The rejected candidate with the next smaller positive gain after last, or NULL; last NULL: the one with the
+ * largest. */
 static const json_t *candidate_after(const json_t *all, const json_t *last) {
     const json_t *list = json_object_get(all, "rejected"), *one, *best = NULL;
     for (size_t i = 0; (one = json_array_get(list, i)) != NULL; i++) {

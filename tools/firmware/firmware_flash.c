@@ -89,7 +89,7 @@ static int find_image(const char *name, const char *board, char path[RIG_PATH]) 
     return CLI_OK;
 }
 
-/* Its exit code; what it says goes to standard error. -1: it did not start, errno says why. */
+/* Its exit code; its output goes to standard error. -1: it did not start, errno says why. */
 static int run(const char **argv) {
     posix_spawn_file_actions_t files;
     pid_t child;

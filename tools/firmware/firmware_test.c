@@ -1,5 +1,4 @@
-/* firmware_test.c: the self-test: what the indenter senses at rest, and how it homes and moves, each with a
- * verdict. */
+/* firmware_test.c: the self-test: the sensor at rest, homing and motion, each with a verdict. */
 #include "firmware_test.h"
 
 #include "shared/cli.h"

@@ -1,4 +1,4 @@
-/* import_dialect.c: how a file writes its rows: what stands between fields, and in a number. */
+/* import_dialect.c: the separators of a file, between fields and in numbers. */
 #include "import.h"
 
 #include <ctype.h>

@@ -11,8 +11,8 @@ static const char NAME[] = "import";
 
 enum { OTHER = 3 }; /* exit code of palpate-hdf5: the file is no experiment of palpate */
 
-/* The format's first eight bytes stand at 0, 512, 1024, 2048, ...; MATLAB writes its own words before them.
- */
+/* The format's first eight bytes stand at 0, 512, 1024, 2048, ...; MATLAB writes text of its own before
+ * them. */
 bool import_hdf5_is(const char *file) {
     static const char first[] = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
     char bytes[sizeof first];
@@ -27,7 +27,7 @@ bool import_hdf5_is(const char *file) {
     return found;
 }
 
-/* Runs palpate-hdf5, which says itself what is wrong with a file. OTHER is passed on. */
+/* Runs palpate-hdf5, which prints its own messages about a file. OTHER is passed on. */
 static int run(const char *how, const char *file, const char *out, char **text, size_t *size) {
     char program[CLI_PATH_MAX];
     int code;

@@ -1,4 +1,4 @@
-/* import_header.c: the lines above a table that name its columns and say their units. */
+/* import_header.c: the lines above a table with the names and units of its columns. */
 #include "import_table.h"
 
 #include <ctype.h>

@@ -1,4 +1,4 @@
-/* import_protocol.c: what the plate did, by the options or the motion. */
+/* import_protocol.c: the kind of motion of the plate, by the options or the recording. */
 #include "import.h"
 
 #include <palpate/recording.h>

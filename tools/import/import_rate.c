@@ -1,4 +1,4 @@
-/* import_rate.c: a time for tables that have none: by --rate, or the rate of sampling that the file tells. */
+/* import_rate.c: a time for tables that have none: by --rate, or the sampling rate in the file. */
 #include "import.h"
 
 #include <math.h>

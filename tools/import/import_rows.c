@@ -1,5 +1,5 @@
-/* import_rows.c: the rows of a table as a recording in s, mm and N: what is no row is left out, tables that
- * go on are joined. */
+/* import_rows.c: the rows of a table as a recording in s, mm and N: lines that are no rows are left out,
+ * continued tables are joined. */
 #include "import.h"
 
 #include <math.h>

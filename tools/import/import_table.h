@@ -1,4 +1,4 @@
-/* import_table.h: what is known of a text's lines while its tables are looked for. */
+/* import_table.h: the state of the search for tables in the lines of a text. */
 #ifndef PALPATE_IMPORT_TABLE_H
 #define PALPATE_IMPORT_TABLE_H
 

@@ -144,8 +144,8 @@ const import_unit *import_unit_of_name(const char *name) {
     return found;
 }
 
-/* Words are between bars. A word stands for itself in a longer one, but "=t" is all of a word. The rank says
- * how surely a name with one of them is the one. */
+/* Words are between bars. A word also matches within a longer one, but "=t" is a whole word. The rank is the
+ * certainty of a name with one of them. */
 static const struct ranked {
     int role, rank;
     const char *list;

@@ -49,7 +49,7 @@ typedef enum device_result {
 device_result device_open(const char *where, int baud, device *d);
 void device_close(device *d);
 
-/* Opens a broken link again. What is known of the device is kept until the device says otherwise. After a
+/* Opens a broken link again. The known state of the device is kept until the device reports another. After a
  * failure the link is closed, and this may be called again. device_halt may be called meanwhile. */
 device_result device_reopen(const char *where, int baud, device *d);
 

@@ -31,8 +31,8 @@ double device_parameter_value(const device_parameters *p, const char *name, size
 device_result device_parameter_set(device *d, const device_parameter *one, double value);
 void device_parameter_refuse(const device_parameter *one, double value,
                              char why[DEVICE_TEXT]); /* these words */
-/* Saves the parameters in flash, in state IDLE only, and waits until that is done. DEVICE_REFUSED: what the
- * flash holds afterwards is not what was written. */
+/* Saves the parameters in flash, in state IDLE only, and waits until that is done. DEVICE_REFUSED: the flash
+ * does not hold afterwards what was written. */
 device_result device_save(device *d);
 
 /* "compiled in", "flash", "compiled in, flash damaged". */

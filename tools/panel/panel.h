@@ -168,7 +168,7 @@ void panel_job_close(panel *p);
 typedef struct panel_server panel_server;
 
 bool panel_server_there(
-    const char *name); /* false: this program was built without a server; says so on stderr */
+    const char *name); /* false: this program was built without a server; prints this to stderr */
 
 /* Listens on 127.0.0.1 (port 0 = any that is free), sets p->port; NULL after one line on stderr. */
 panel_server *panel_server_open(const char *name, panel *p, unsigned port);

@@ -160,7 +160,7 @@ static bool keep_protocol(const panel *p, const char *text, char file[CLI_PATH_M
     return fd >= 0 && close(fd) == 0 && good;
 }
 
-/* Tries it; the file stays only where keep says so and it is good. */
+/* Tries it; the file stays only with keep and if it is valid. */
 static panel_reply with_protocol(panel *p, const panel_request *q, bool keep, char file[CLI_PATH_MAX]) {
     if (!keep_protocol(p, q->body, file))
         return wrong(FAILED_HERE, "%s: %s", file, strerror(errno));

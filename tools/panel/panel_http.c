@@ -109,7 +109,7 @@ static visitor *free_place(panel_server *s) {
     return v < s->visitor + CONNECTIONS ? v : NULL;
 }
 
-/* At a connection's begin and end; the descriptor is closed after its end was told. */
+/* At a connection's begin and end; the descriptor is closed after the call at its end. */
 static void count_visitor(void *context, struct MHD_Connection *c, void **own,
                           enum MHD_ConnectionNotificationCode code) {
     panel_server *s = context;

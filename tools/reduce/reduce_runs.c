@@ -1,4 +1,4 @@
-/* reduce_runs.c: what a run of palpate reduce tells: the plate's depth, and the path of a ball. */
+/* reduce_runs.c: the runs of palpate reduce: the plate's depth, and the path of a ball. */
 #include "reduce.h"
 #include "shared/opening.h"
 

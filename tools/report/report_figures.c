@@ -1,4 +1,4 @@
-/* report_figures.c: simulations beside recordings, and the figures that no result has. */
+/* report_figures.c: figures of simulations with their recordings, and others that no result has. */
 #include "report.h"
 #include "shared/json_out.h"
 

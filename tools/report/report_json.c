@@ -1,5 +1,4 @@
-/* report_json.c: what the page of a report shows, as JSON: files, recordings, models, results, simulations.
- */
+/* report_json.c: the content of a report's page as JSON: files, recordings, models, results, simulations. */
 #define _POSIX_C_SOURCE 200809L
 #include "report.h"
 #include "shared/json_out.h"

@@ -10,7 +10,7 @@
 enum { SUBSTEPS = 20, JUMP_COUNTS = 5000 };
 static const double TICK = 1e-3, HOT_C = 120, DUTY_FULL = 32767;
 static const double SHAKEN = 0.5, SHAKEN_HZ = 5, PI = 3.14159265358979323846;
-static const double OBSTACLE = 0.98; /* of what the sensor can tell: over every limit, short of the rails */
+static const double OBSTACLE = 0.98; /* of the sensor's range: over every limit, but below saturation */
 
 struct plant {
     plant_settings settings;
@@ -123,7 +123,7 @@ static void follow(plant *p) {
     p->plate_m = load(p) > a->coulomb_N ? high : fmin(fmax(p->plate_m, high), low);
 }
 
-/* What the model's sensor makes of the force, or the amplifier of what is harder. */
+/* The force by the model's sensor, or limited by the amplifier. */
 static double read_force(const plant *p) {
     const palp_specimen_motion motion = {TICK * p->tick, p->drive.carriage_m - p->settings.contact_m,
                                          p->drive.velocity_m_s, p->push_m_s2};

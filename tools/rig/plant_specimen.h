@@ -1,4 +1,4 @@
-/* plant_specimen.h: what the plate presses: a lumped model, a network, a rigid block or air. */
+/* plant_specimen.h: the object under the plate: a lumped model, a network, a rigid block or air. */
 #ifndef PALPATE_PLANT_SPECIMEN_H
 #define PALPATE_PLANT_SPECIMEN_H
 

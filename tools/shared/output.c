@@ -1,4 +1,4 @@
-/* output.c: files that a command writes: what must not be replaced, and how they are closed. */
+/* output.c: files that a command writes: protection of other files, and closing. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli.h"
 #include "temporary.h"

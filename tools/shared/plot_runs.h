@@ -6,7 +6,7 @@
 
 #include <palpate/recording.h>
 
-/* What is known of a recording before any fit, as characterize and report have it in their results. */
+/* Facts of a recording before any fit, as in the results of characterize and report. */
 json_t *run_json(const palp_recording *recording);
 
 /* A zero-phase Butterworth filter of this order, forward and backward. */

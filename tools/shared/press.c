@@ -83,7 +83,7 @@ static palp_status creep_step(const palp_material *material, double force_N, dou
     return status;
 }
 
-/* What the specimen answers at n times: force to a depth path, depth to a force path. */
+/* The specimen's response at n times: force to a depth path, depth to a force path. */
 static palp_status answer(const palp_material *material, double height_m, const palp_path *path, bool relaxed,
                           size_t n, const double *time_s, double *drive, double *out) {
     for (size_t i = 0; i < n; i++) {

@@ -1,4 +1,4 @@
-/* temporary.c: temporary files and folders, which go when a signal ends the command. */
+/* temporary.c: removes temporary files and folders when a signal ends the command. */
 #define _GNU_SOURCE /* getdents64 */
 #include "temporary.h"
 #include "cli.h"
@@ -10,8 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The folders that this command writes to, and those that it made for a while. A file that is being written
- * is called NAME.PID.N.tmp (palpate/file.h), also by the library, which catches no signal. */
+/* The folders that this command writes to, and those that it made for a while. An unfinished file is called
+ * NAME.PID.N.tmp (palpate/file.h), also if the library writes it, which catches no signal. */
 enum { FOLDERS_MAX = 64 };
 static struct {
     char *path;

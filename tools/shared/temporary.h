@@ -1,4 +1,4 @@
-/* temporary.h: temporary files and folders, which go when a signal ends the command. */
+/* temporary.h: removes temporary files and folders when a signal ends the command. */
 #ifndef PALPATE_TEMPORARY_H
 #define PALPATE_TEMPORARY_H
 
