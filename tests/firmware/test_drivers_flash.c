@@ -24,7 +24,7 @@ static void test_erases(void **state) {
     hardware.stored[0] = hardware.stored[STORE_AREA] = 5; /* nothing good anywhere */
     FLASH->ACR = FLASH_ACR_5_WAITS | FLASH_ACR_CACHES;
     flash_start();
-    assert_int_equal(hardware.stored[0], 5); /* damage is to be told of */
+    assert_int_equal(hardware.stored[0], 5); /* damage must be reported */
     assert_int_equal(hardware.stored[STORE_AREA], STORE_BLANK);
     assert_int_equal(FLASH->CR, FLASH_CR_LOCK);
     assert_int_equal(FLASH->ACR, FLASH_ACR_5_WAITS | FLASH_ACR_CACHES);

@@ -24,7 +24,7 @@ static void project(const look *l, double *v) {
     }
 }
 
-/* What the effect of this shape does at strength s, beside the plain model; its rms. 0 where the residual is
+/* The effect of this shape at strength s, orthogonal to the plain model; its rms. 0 where the residual is
  * within the finite differences' error. */
 static double direction(const look *l, int id, const double shape[VALUES], double s, double *u) {
     const judge *j = l->judge;

@@ -131,7 +131,7 @@ static bool add_effect(hidden_case *c, const judge *j, int id, double target, bo
     return (raw ? e->seen.raw : e->seen.left) > 0.99 * target * c->noise_level;
 }
 
-/* What the effect alone leaves of itself, in y; false where that is nothing. */
+/* The residual of the effect alone, in y; false where that is nothing. */
 static bool leaves(const hidden_case *c, const judge *j, int id, double *y) {
     world alone = *j->plain;
     memcpy(alone.value[id], c->world.value[id], sizeof alone.value[id]);
@@ -140,7 +140,8 @@ static bool leaves(const hidden_case *c, const judge *j, int id, double *y) {
     return seen.left > 1e-3 * seen.raw;
 }
 
-/* Which effects are alike to each of the case's, beside the plain model and the case's other effect. */
+/* Which effects are alike to each of the case's, conditional on the plain model and the case's other
+ * effect. */
 static bool find_classes(hidden_case *c, const judge *j) {
     double *y = malloc(2 * j->n * sizeof *y), *also = y ? y + j->n : NULL;
     if (!y)
@@ -184,7 +185,7 @@ static int seed_effect(int i) {
     return seed_effects[(size_t)i % (sizeof seed_effects / sizeof *seed_effects)];
 }
 
-/* Two that are there to be told apart. */
+/* Two effects that are to be separated. */
 static bool add_two(hidden_case *c, const judge *j, bool raw, random_state *rng) {
     int first = (int)random_index(rng, EFFECTS), second = (int)random_index(rng, EFFECTS);
     bool arms = (first == RELAXATION_ARM && second == STRAIN_DEPENDENT_ARM) ||
@@ -242,7 +243,7 @@ static bool draw_cube(world *network, world *plain, const session *s, enum netwo
     return false;
 }
 
-/* What the geometry leaves, and which effects are like it. Above a strain of 0.32 some cubes buckle, which
+/* The residual of the geometry, and the effects like it. Above a strain of 0.32 some cubes buckle, which
  * their symmetry would hide. */
 static bool find_geometry(hidden_case *c, const judge *j, enum network_kind kind) {
     double highest = 0, *y = malloc(j->n * sizeof *y);
@@ -262,7 +263,7 @@ static bool find_geometry(hidden_case *c, const judge *j, enum network_kind kind
     return wanted;
 }
 
-/* c->world is the cube. The effect is measured beside the lumped model, and acts on the cube. */
+/* c->world is the cube. The effect is measured with the lumped model, and acts on the cube. */
 static bool add_network(hidden_case *c, const judge *j, bool raw, random_state *rng) {
     static const int ids[] = {CONTACT_OFFSET, TOE_REGION,       ADHESION,   SESSION_AGEING,
                               PLATE_INERTIA,  COULOMB_FRICTION, SENSOR_LAG, SENSOR_BIAS,

@@ -1,4 +1,4 @@
-/* compare.c: the generator's physics beside the library's, effect by effect, on the generator's sessions.
+/* compare.c: the generator's physics against the library's, effect by effect, on the generator's sessions.
  * Prints the largest rms difference over a few materials, in noise levels; exit code 1 above the limit. Alone
  * here in linking the library. */
 #include "hidden.h"

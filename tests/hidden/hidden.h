@@ -58,7 +58,7 @@ enum foreign_id {
     GAIN_MAP,        /* off-centre load: the gain depends on the position */
     SIDE_WALL,       /* a second contact below a depth */
     POWER_DAMPER,    /* a damper of the 0.4th power of speed, in contact */
-    MISPLACED,       /* the specimen lies beside the centre in some runs, and is softer there */
+    MISPLACED,       /* the specimen lies off the centre in some runs, and is softer there */
     BACKLASH,        /* play between encoder and plate */
     CELL_HYSTERESIS, /* the load cell lags behind in force, not in time */
     WANDER,          /* the zero wanders, 1/f */
@@ -68,8 +68,8 @@ enum foreign_id {
 
 /* What is hidden where particles are given to a lumped model. */
 enum network_kind {
-    MILD,   /* nothing but a geometry that leaves less than a noise level */
-    BENT,   /* nothing but a geometry that leaves 3 noise levels and more */
+    MILD,   /* only a geometry with a residual below a noise level */
+    BENT,   /* only a geometry with a residual of 3 noise levels or more */
     FAULTY, /* a mild one, and an effect of the contact or the instrument */
     NETWORK_KINDS
 };
@@ -94,7 +94,7 @@ typedef struct world {
 /* ---- a session of runs (path.c, session.c) ---- */
 typedef struct run {
     const char *kind;               /* of the file's key protocol.kind */
-    double depth, rate, ramp, hold; /* as asked for; 0 = not told */
+    double depth, rate, ramp, hold; /* as asked for; 0 = not in the file */
     int cycles, repeat, order;
     double session;                              /* when it began */
     size_t knots;                                /* the path: straight between these, corners rounded */
@@ -206,11 +206,11 @@ void judge_put(const judge *j, world *w, int id, const double shape[VALUES], dou
 visible judge_strengthen(const judge *j, world *w, int id, const double shape[VALUES], double target,
                          bool raw);
 
-/* For every effect, the largest cosine between y and what the effect can do beside the plain model and beside
- * also ([n_also][n] orthonormal); takes off y what those two can do. */
+/* For every effect, the largest cosine between y and the effect, both orthogonal to the plain model and to
+ * also ([n_also][n] orthonormal). Removes their part from y. */
 void judge_alike(const judge *j, double *y, size_t n_also, const double *also, double cosine[EFFECTS]);
 
-/* The same of a frame for what w leaves, by refits beside frames of several strengths: a stiff one hides in
+/* The same of a frame for the residual of w, by refits with frames of several strengths: a stiff one hides in
  * the law, a soft one may look like an arm that depends on strain, so that small steps say little. */
 double judge_frame(const judge *j, const world *w, double left);
 

@@ -1,4 +1,4 @@
-/* test_plant_specimen.c: what the simulated indenter feels of its specimen, against closed forms and the
+/* test_plant_specimen.c: the force of the simulated indenter's specimen, against closed forms and the
  * library. */
 /* check: valgrind */
 #include "plant_make.h"

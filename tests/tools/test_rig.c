@@ -187,7 +187,7 @@ static void stop_it(const char *port, void *context) {
     stop = 1;
 }
 
-/* It tells the port, once, and ends when asked to. */
+/* It prints the port once, and ends when asked to. */
 static void test_port_and_stop(void **state) {
     char mark[] = "!";
     rig_settings s = start_with("runs");

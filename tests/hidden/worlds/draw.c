@@ -135,7 +135,7 @@ static void hide(const truth *t, const secret *what, double strength, solid *s) 
     s->seed = what->seed;
 }
 
-/* The strength that leaves so many nats, in hidden; false where none does. */
+/* The strength with so many nats, in hidden; false where none does. */
 static bool strengthen(search *h, const secret *what, double nats, solid *hidden) {
     size_t n = what->effect == EFFECTS ? 1 : effect_kinds[what->effect].n;
     double low = log(1e-5), high = 0;
@@ -169,7 +169,7 @@ static double highest(const double cosine[EFFECTS]) {
     return most;
 }
 
-/* A second effect beside the first, as strong by itself and unlike it. */
+/* A second effect, as strong by itself as the first and unlike it. */
 static bool hide_second(truth *t, search *h, const secret *what, random_state *rng) {
     solid alone;
     if (!strengthen(h, what, random_log(rng, 60, 600), &alone))

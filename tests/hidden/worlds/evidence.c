@@ -1,6 +1,6 @@
-/* evidence.c: how much the recordings say for what is hidden: half of what chi2 falls by when it is put in,
- * beside the richest plain model of the data: a free law (hats), its arms and more of them, a contact, a zero
- * and a gain of each run's own. */
+/* evidence.c: how much the recordings say for what is hidden: half of the fall of chi2 by it, conditional on
+ * the richest plain model of the data: a free law (hats), its arms and more of them, a contact, a zero and a
+ * gain of each run's own. */
 #include "worlds.h"
 
 #include <math.h>
@@ -155,7 +155,7 @@ void search_free(search *h) {
     free(h->force);
 }
 
-/* Nats for s beside the plain solid: half of chi2's fall less half the logarithm of the samples for each
+/* Nats for s over the plain solid: half of chi2's fall less half the logarithm of the samples for each
  * parameter. */
 double search_evidence(search *h, const solid *s, size_t n_parameters) {
     session_press(s, &h->beside.truth->session, h->with);
@@ -163,7 +163,8 @@ double search_evidence(search *h, const solid *s, size_t n_parameters) {
            0.5 * (double)n_parameters * log((double)h->beside.n);
 }
 
-/* The largest cosine between what is hidden (y) and what the effect leaves, over a few of its shapes. */
+/* The largest cosine between the hidden effect (y) and the residual of the effect, over a few of its
+ * shapes. */
 static double cosine_with(search *h, int id, const double *y) {
     const truth *t = h->beside.truth;
     random_state rng = random_make(7, (uint64_t)id);

@@ -60,7 +60,7 @@ static void test_press(void) {
     double rise = 30 * 0.5 * 0.2 * (1 - exp(-2)); /* of the arm at the end of the ramp of 1 s */
     check("arm: end of the ramp", force_at(&s, &r, 1), 10 + rise, 1e-4);
     check("arm: 1 s later", force_at(&s, &r, 2), 10 + rise * exp(-2), 1e-4);
-    r.shift = 1e-3; /* a spring alone feels three quarters */
+    r.shift = 1e-3; /* a spring alone has three quarters */
     s.n_arms = 0;
     check("contact: later by its shift", force_at(&s, &r, 2), 7.5, 1e-9);
     s.effect[SENSOR_LAG][0] = 0.2;
@@ -132,8 +132,8 @@ static void test_testers(void) {
           0);
 }
 
-/* Of noise alone half of chi2 is left for each sample that no column takes; what a run may have of its own
- * leaves nothing. */
+/* Of noise alone half of chi2 is left for each sample that no column takes; a run's own parameters have no
+ * residual. */
 static void test_evidence(const lab *l) {
     truth t;
     search h;

@@ -9,8 +9,7 @@
 #include <sys/stat.h>
 
 /* Of each laboratory: nulls, effects, what is outside the catalogue, pairs of effects, what is outside it and
- * comes again; where little can be
- * told apart, fewer. */
+ * comes again; fewer where little can be separated. */
 typedef struct share {
     int of[5];
 } share;

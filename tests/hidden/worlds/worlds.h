@@ -71,8 +71,8 @@ double outside_force(const solid *s, const run *r, outside_memory *memory, doubl
 /* ---- who presses it (lab.c) ---- */
 enum noise_kind { GAUSS, STUDENT, CORRELATED, QUANTIZED };
 enum protocol_kind { RICH, ONE_RUN, ONE_SPEED, NO_UNLOADING, SINES, TRIANGLES, TO_FORCE, BY_HAND };
-/* What the plate does beside its way: EXACT nothing; RINGS overshoots at each corner; STEPS goes in small
- * steps. */
+/* Motions of the plate in addition to its way: EXACT nothing; RINGS overshoots at each corner; STEPS goes in
+ * small steps. */
 enum tester_kind { EXACT, RINGS, STEPS };
 enum spectrum_kind { FEW_ARMS, FORCE_DRIVEN, FRACTIONAL };
 enum header_kind { FULL, HEIGHT, THREE };
@@ -126,7 +126,7 @@ void truth_free(truth *t);
 bool truth_files(const truth *t, const char *folder);
 void truth_line(FILE *f, const truth *t); /* JSON */
 
-/* What the richest plain model of these data can do; beside it an effect must show. */
+/* What the richest plain model of these data can do; an effect must show in spite of it. */
 typedef struct nuisance {
     const truth *truth;
     size_t n, n_columns;
@@ -138,7 +138,7 @@ void nuisance_free(nuisance *u);
  * chi2 falls by. */
 double nuisance_left(const nuisance *u, const double *with, const double *without, double *left);
 
-/* Tries what could be hidden beside a plain solid. */
+/* Tries effects in addition to a plain solid. */
 typedef struct search {
     solid plain;
     nuisance beside;

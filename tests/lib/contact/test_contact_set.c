@@ -1,5 +1,5 @@
-/* test_contact_set.c: tools over one or two triangles by hand: which contacts there are, how stiff, where
- * friction's spring starts and what the tool feels. */
+/* test_contact_set.c: tools over one or two triangles by hand: the contacts, their stiffness, the start of
+ * friction's springs and the force on the tool. */
 #include "contact/contact_internal.h"
 
 #include <check.h>

@@ -1,4 +1,4 @@
-/* test_recording.c: what a recording tells of itself, clean and disturbed. */
+/* test_recording.c: facts found in a recording, clean and disturbed. */
 #include "recordings.h"
 
 static take clean(void) {

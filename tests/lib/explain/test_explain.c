@@ -162,7 +162,7 @@ START_TEST(a_law_too_stiff_is_found_before_an_effect) {
 }
 END_TEST
 
-/* One specimen keeps its damage from run to run; the files tell by their times, whatever their order. */
+/* One specimen keeps its damage from run to run; the files' times give it, whatever their order. */
 START_TEST(damage_lasts_for_the_session) {
     palp_model truth = shaped(PALP_EFFECT_DAMAGE_SOFTENING, 0.3, 0.5);
     palp_explain_settings s = palp_explain_settings_default();

@@ -1,6 +1,6 @@
-/* test_explain_block.c: runs beside those of the specimen that press none: on a rigid block, which shows the
- * frame alone, and in air, which shows the sensor. The specimen is a spring on a frame, by its own formula.
- * check: once */
+/* test_explain_block.c: runs that press no specimen, in addition to those that do: on a rigid block, which
+ * shows the frame alone, and in air, which shows the sensor. The specimen is a spring on a frame, by its own
+ * formula. check: once */
 #include "forward_make.h"
 
 #include "explain/explain_data.h"

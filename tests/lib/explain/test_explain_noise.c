@@ -194,8 +194,8 @@ START_TEST(order_from_sample_to_sample) {
 }
 END_TEST
 
-/* A residual of depth alone, in steps of a bin, beside one that alternates: the curve takes off the first,
- * less what as many bins take off by chance. */
+/* A residual of depth alone, in steps of a bin, and one that alternates: the curve takes off the first, less
+ * what as many bins take off by chance. */
 START_TEST(free_curves) {
     enum { EACH = 40, BINS = 24, N = EACH * BINS };
     double square = 0;

@@ -53,7 +53,7 @@ static void free_session(void) {
         palp_experiment_free(made[r]);
 }
 
-/* The set is found as it is, and the model with it leaves nothing of the runs to be explained. */
+/* The set is found, and the model with it explains the runs completely. */
 static void found_as(bool recovers) {
     palp_model truth = lumped_model(1), given = truth;
     palp_explanation e, again;

@@ -1,5 +1,5 @@
-/* test_explain_share.c: an effect is named only where these runs could show it beside the richest law and
- * arms, not beside the model at hand. check: once */
+/* test_explain_share.c: an effect is named only where these runs could show it conditional on the richest law
+ * and arms, not on the current model. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -84,7 +84,7 @@ START_TEST(what_a_law_takes_in_is_not_named) {
 }
 END_TEST
 
-/* Presses at one speed and no way back may tell of what is there, and of nothing else. */
+/* Presses at one speed without a way back may show effects that are there, and no others. */
 START_TEST(loading_at_one_speed_names_nothing_else) {
     static const double plan[RUNS][2] = {{4, 1}, {6, 1}, {7, 1}, {4, 1}};
     static const struct {

@@ -106,7 +106,7 @@ START_TEST(quasi_linear_arms_are_another_law) {
 }
 END_TEST
 
-/* The steps tell what was taken and how the others fared; the last has none. */
+/* The steps record the effect that was taken and the results of the others; the last has none. */
 START_TEST(steps_tell_the_search) {
     palp_model truth = with(1);
     palp_explanation e;

@@ -125,7 +125,7 @@ START_TEST(the_next_experiment_tells_two_sets_apart) {
         ck_assert_int_eq(infer_fit_evaluate(fit, &s.data), PALP_OK);
         ck_assert_int_eq(infer_fit_settle(fit, &s.data, 2, true), PALP_OK);
         ck_assert_int_eq(infer_fit_converge(fit, &s.data), PALP_OK);
-        fit->score = s.fit.score; /* the runs so far do not tell them apart */
+        fit->score = s.fit.score; /* the runs so far do not separate them */
         for (int i = 0; i < 3; i++) {
             palp_explain_next next = {.wanted = false};
             settings.next.time_s = time_s[i];

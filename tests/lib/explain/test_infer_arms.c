@@ -1,4 +1,4 @@
-/* test_infer_arms.c: arms of a material that are found beside noise that could take their place, arms at
+/* test_infer_arms.c: arms of a material that are found in spite of noise that could take their place, arms at
  * fixed times, and fits of dwells alone. check: once */
 #include "forward_make.h"
 
@@ -53,7 +53,8 @@ static bool is_within(const palp_lumped_fit *fit, size_t i, double truth) {
     return fabs(log(e->value / truth)) < 3.0 * e->sd / e->value;
 }
 
-/* A sensor with a lag, which the model lacks: where the ramps are missed, the dwells still tell the arms. */
+/* A sensor with a lag, which the model lacks: where the model does not fit the ramps, the dwells still give
+ * the arms. */
 START_TEST(a_misfit_of_ramps_hides_no_arms) {
     palp_model truth = lumped_model(2);
     palp_lumped_fit fit;

@@ -54,7 +54,8 @@ static const double none[RUNS] = {0, 0, 0, 0}, ones[RUNS] = {1, 1, 1, 1};
 static const double zeros[RUNS] = {0.05, -0.06, 0.03, -0.04}, contacts[RUNS] = {0.4, -0.3, 0.2, -0.35},
                     gains[RUNS] = {1.05, 0.94, 1.03, 0.96};
 
-/* Only one of the three differs: it is found, with as much left without it as the model as given leaves. */
+/* Only one of the three differs: it is found, with the same residual without it as that of the model as
+ * given. */
 START_TEST(what_differs_is_found) {
     palp_explanation e;
     session(RUNS, _i == 0 ? zeros : none, _i == 1 ? contacts : none, _i == 2 ? gains : ones, 1);
@@ -115,7 +116,7 @@ START_TEST(equal_zeros_have_no_scatter) {
 }
 END_TEST
 
-/* Where contacts are told to be exact none scatters, whatever the runs show. */
+/* Where contacts are declared exact none scatters, whatever the runs show. */
 START_TEST(a_contact_that_is_known_does_not_scatter) {
     palp_explanation e;
     session(RUNS, none, contacts, ones, 1);

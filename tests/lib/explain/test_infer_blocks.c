@@ -1,4 +1,4 @@
-/* test_infer_blocks.c: means of blocks tell of a material what all samples tell. check: once */
+/* test_infer_blocks.c: means of blocks give the same material as all samples. check: once */
 #include "../recordings.h"
 
 #include <palpate/explain.h>

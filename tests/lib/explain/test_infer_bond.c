@@ -1,5 +1,5 @@
-/* test_infer_bond.c: a plate that a specimen sticks to. The force jumps where it lets go, so that no column
- * of derivatives tells how strong the bond is. check: once */
+/* test_infer_bond.c: a plate that a specimen sticks to. The force jumps where it lets go, so that no
+ * derivative determines the bond's strength. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>

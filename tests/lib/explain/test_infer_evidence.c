@@ -215,8 +215,7 @@ START_TEST(it_is_so_too_where_contacts_average_nothing) {
 }
 END_TEST
 
-/* Forces beside columns that are known have the same products as all of it anew, where these are the columns.
- */
+/* Forces with known columns have the same products as a full evaluation at the point of the columns. */
 START_TEST(forces_alone_have_the_same_products) {
     explain_data data;
     infer_fit fit;

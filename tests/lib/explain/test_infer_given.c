@@ -1,5 +1,5 @@
-/* test_infer_given.c: what the given model has is kept: its arms beside an added one, and its effects, whose
- * traces in the specimen last from run to run or not. check: once */
+/* test_infer_given.c: what the given model has is kept: its arms with an added one, and its effects, whose
+ * history lasts from run to run or not. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -10,7 +10,7 @@ static const double SET = 0.08, NOISE = 2e-3; /* NOISE: N */
 
 static palp_explain_input input[RUNS];
 
-/* Presses, dwells and withdrawals, each pressed once more to the same depth; the files tell their order. */
+/* Presses, dwells and withdrawals, each pressed once more to the same depth; their order is in the files. */
 static void session(const palp_model *truth, bool recovers) {
     static const double plan[RUNS][2] = {{5, 2}, {3, 0.5}, {6, 2}, {4, 1}}; /* mm, mm/s */
     static samples s;
@@ -77,8 +77,8 @@ START_TEST(the_added_arm_is_the_hidden_one) {
 }
 END_TEST
 
-/* An arm that the runs tell little of cannot be negative: its interval is above zero, and longer upwards. The
- * specimen could as well be poroelastic, which is no candidate here. */
+/* An arm that the runs hardly determine cannot be negative: its interval is above zero, and longer upwards.
+ * The specimen could as well be poroelastic, which is no candidate here. */
 START_TEST(an_interval_of_what_is_positive_is_positive) {
     palp_explain_settings arms = palp_explain_settings_default();
     memset(arms.candidate, 0, sizeof arms.candidate);
@@ -95,7 +95,7 @@ START_TEST(an_interval_of_what_is_positive_is_positive) {
 }
 END_TEST
 
-/* Nothing is missing beside a permanent set that is given, whether the specimen recovers from it or not. */
+/* Nothing is missing with a given permanent set, whether the specimen recovers from it or not. */
 START_TEST(what_is_given_lasts_or_not_as_the_runs_tell) {
     palp_model truth = lumped_model(1);
     add_effect(&truth, PALP_EFFECT_PERMANENT_SET, 0)->value[0] = SET;

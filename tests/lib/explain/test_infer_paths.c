@@ -1,5 +1,5 @@
-/* test_infer_paths.c: what presses along few paths tell of an effect by the likelihood: at one speed, and
- * without a way back. check: once */
+/* test_infer_paths.c: information of presses along few paths on an effect, by the likelihood: at one speed,
+ * and without a way back. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>

@@ -167,7 +167,7 @@ START_TEST(one_material_for_twelve_depths) {
 END_TEST
 
 /* The graded steps err by less than 0.12 of the tolerance (0.2 with times that depend on strain), whether
- * samples are dense or few; steps ten times finer and more tell. */
+ * samples are dense or few; steps ten times finer and more show the error. */
 START_TEST(graded_steps_keep_the_tolerance) {
     records dense;
     records_make(&dense, 1.0);

@@ -1,4 +1,4 @@
-/* test_fit_degenerate.c: what the data do not tell has wide intervals; it fails no fit. */
+/* test_fit_degenerate.c: parameters that the data do not determine have wide intervals; it fails no fit. */
 #include "fit/fit_internal.h"
 #include "recordings.h"
 
@@ -100,7 +100,7 @@ START_TEST(two_arms_of_one_time) {
 }
 END_TEST
 
-/* The words for a network's tangent tell nobody what is wrong with recordings. */
+/* The text for a network's tangent does not explain what is wrong with recordings. */
 START_TEST(a_singular_fit_says_what_to_do) {
     palp_error error = {PALP_OK, ""};
     ck_assert_int_eq(fit_failed(&error, PALP_ERR_SINGULAR, "run.csv"), PALP_ERR_SINGULAR);

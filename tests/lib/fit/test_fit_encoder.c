@@ -1,6 +1,6 @@
-/* test_fit_encoder.c: a plate that is held wanders within a count of its encoder, which the depth does not
- * tell: intervals cover the truth all the same. A path of equal steps that no encoder has made has no counts.
- */
+/* test_fit_encoder.c: a plate in a dwell wanders within a count of its encoder, which the depth does not
+ * show: intervals cover the truth all the same. A path of equal steps that no encoder has made has no
+ * counts. */
 #include "recordings.h"
 
 enum { SESSIONS = 40, ESTIMATES = 6 };

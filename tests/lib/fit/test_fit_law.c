@@ -116,7 +116,7 @@ START_TEST(a_law_of_no_family_is_met) {
 }
 END_TEST
 
-/* One ramp and hold: the ramp tells that K rises, the hold how much is left. */
+/* One ramp and hold: the ramp shows that K rises, the hold the relaxed stiffness. */
 START_TEST(a_single_ramp_and_hold_has_a_law) {
     palp_law law[LAWS];
     palp_recording r = press(polynomial(2, (double[2]){6.0, 20.0}), 1, 8.0, 10.0, 100.0, 70);

@@ -1,4 +1,4 @@
-/* test_fit_robust.c: recordings with something wrong with them are told so and still give the answer. */
+/* test_fit_robust.c: defects of recordings are reported, and the answer is still right. */
 #include "recordings.h"
 
 static const double TRUTH[7] = {8.9,  2.3,  3.5,        3.5 / 2.3,

@@ -1,4 +1,4 @@
-/* test_fit_sweep.c: what a sweep tells of the law and the arms, the withdrawal after it left out. */
+/* test_fit_sweep.c: law and arms from a sweep, without the withdrawal after it. */
 #include "sweeps.h"
 
 static sweep rig_sweep(void) {
@@ -34,7 +34,8 @@ START_TEST(a_sweep_tells_the_arms_of_the_phantom) {
 }
 END_TEST
 
-/* The oscillation has most of the samples, the ramp tells the law: one that misses the ramp is not taken. */
+/* The oscillation has most of the samples, the ramp determines the law: one that misses the ramp is not
+ * taken. */
 START_TEST(the_ramp_of_a_sweep_tells_the_law) {
     enum { LAWS = 3 };
     static const double modulus = 2400.0;

@@ -108,7 +108,7 @@ START_TEST(ball_is_found) {
 }
 END_TEST
 
-/* Without a ball the evidence is against one. Candidates that press through the cube tell nothing. */
+/* Without a ball the evidence is against one. Candidates that press through the cube have no information. */
 START_TEST(none_is_found) {
     const palp_palpation p = look(0.024, 8.0, 1.0, 1.0, 2, 30.0);
     ck_assert_msg(!p.found, "evidence %g", p.evidence);

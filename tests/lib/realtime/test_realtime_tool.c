@@ -57,8 +57,8 @@ START_TEST(tool_is_felt) {
 }
 END_TEST
 
-/* A rough sphere that sticks and slips. What it feels is the tissue's own force: where a correction is not
- * enough for the stiff springs between them, these are off by many times more. */
+/* A rough sphere that sticks and slips. Its force is that of the tissue: where a correction is not enough for
+ * the stiff springs between them, these are off by many times more. */
 START_TEST(rough_tool_within_a_tick) {
     const palp_budget few[2] = {{.corrections = 1}, {.corrections = 2}};
     const double most[2] = {0.2, 0.05};

@@ -8,7 +8,7 @@ static void check_gradient(const char *what, const palp_model *model, const samp
     check_slopes(what, palp_forward_force, palp_forward_force, model, s, share, tolerance);
 }
 
-/* A strength that tells on the test's force and keeps away from kinks. */
+/* A strength that changes the test's force and keeps away from kinks. */
 static palp_effect *add_telling(palp_model *m, palp_effect_id id) {
     palp_effect *effect = add_effect(m, id, 1.07);
     if (id == PALP_EFFECT_FRAME_COMPLIANCE)

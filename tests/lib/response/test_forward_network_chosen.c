@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* A strength that tells on the test's force and keeps away from kinks. */
+/* A strength that changes the test's force and keeps away from kinks. */
 static palp_effect *add_telling(palp_model *m, palp_effect_id id) {
     palp_effect *effect = add_effect(m, id, 1.07);
     if (id == PALP_EFFECT_RELAXATION_ARM || id == PALP_EFFECT_POWER_LAW_RELAXATION ||
