@@ -70,10 +70,10 @@ PALP_API double palp_generalized_maxwell_ramp_hold(const palp_generalized_maxwel
 /* Creep of the generalized Maxwell solid, which the thesis has for one arm only (Eq. 3.42):
  *   strain(t) = stress (J_0 + fluidity t + sum_k J_k (1 - exp(-t / tau_k))).
  * The relaxation function has the transform
- *   s E(s) = E_inf + sum_j E_j s / (s + r_j), with r_j = 1 / tau_j of the arms,
- * The creep compliance is its reciprocal, s J(s) = 1 / (s E(s)). On s = -p the transform rises from minus to
- * plus infinity between neighbouring r_j. Its zeros p_k therefore interlace them, p_1 < r_1 < p_2 < r_2 ...,
- * and each is found by bisection. Then
+ * s E(s) = E_inf + sum_j E_j s / (s + r_j), with r_j = 1 / tau_j of the arms. The creep compliance is its
+ * reciprocal, s J(s) = 1 / (s E(s)). On s = -p the transform rises from minus to plus infinity between
+ * neighbouring r_j. Its zeros p_k therefore interlace them, p_1 < r_1 < p_2 < r_2 ..., and each is found by
+ * bisection. Then
  *   J_0 = 1 / (E_inf + sum_j E_j), tau_k = 1 / p_k, J_k = 1 / (p_k sum_j E_j r_j / (r_j - p_k)^2).
  * With E_inf = 0 the solid is a liquid: p_1 = 0 becomes the flow term, fluidity = 1 / sum_j eta_j. */
 typedef struct palp_retardation {

@@ -35,8 +35,8 @@ PALP_API palp_status palp_mesh_lattice(const size_t nodes[3], const double size_
                                        palp_neighbourhood neighbourhood, palp_mesh **mesh);
 
 /* A mesh from arrays: x_m[3 n_nodes], pairs[2 n_elements] (node indices). Copies; makes no sets. error may
- * be NULL. ERR_INPUT with a line in error for an index out of range, a pair given twice, a node without an
- * element, or more than one connected part; also for an element shorter than 1e-12 of the mesh's size. */
+ * be NULL. ERR_INPUT with a line in error for an index out of range or a pair given twice; for a node without
+ * an element or more than one connected part; also for an element shorter than 1e-12 of the mesh's size. */
 PALP_API palp_status palp_mesh_create(size_t n_nodes, const double *x_m, size_t n_elements,
                                       const int32_t *pairs, palp_mesh **mesh, palp_error *error);
 
@@ -86,10 +86,10 @@ typedef enum palp_mesh_scaling {
 } palp_mesh_scaling;
 
 /* Scales the elements, once. area_m2 = 0: the mesh's volume over its height (y). ERR_UNSUPPORTED for a mesh
- * of both cells, for hexahedra by volume, and if an edge of a tetrahedron or a diagonal of a hexahedron is no
- * element. ERR_INPUT for an element with nothing but flat tetrahedra or a hexahedron of no volume around it;
- * ERR_ARGUMENT if scaled before. After ERR_INPUT or ERR_NO_MEMORY the mesh is good for palp_mesh_free
- * only. */
+ * of both cells and for hexahedra by volume; also if an edge of a tetrahedron or a diagonal of a hexahedron
+ * is no element. ERR_INPUT for an element with nothing but flat tetrahedra or a hexahedron of no volume
+ * around it; ERR_ARGUMENT if scaled before. After ERR_INPUT or ERR_NO_MEMORY the mesh is good for
+ * palp_mesh_free only. */
 PALP_API palp_status palp_mesh_scale(palp_mesh *mesh, palp_mesh_scaling scaling, double area_m2,
                                      palp_error *error);
 

@@ -277,8 +277,8 @@ static void take_contact(explain_data *data, double sd) {
     data->n_contact_told++;
 }
 
-/* Whether it begins in the middle of a press whose first part is in no file, so that the state of the arms is
- * not known. The run's own zero and gain absorb a smaller part. */
+/* Whether it begins in the middle of a press whose first part is in no file. The state of the arms is not
+ * known then. The run's own zero and gain absorb a smaller part. */
 static bool begins_under_load(const explain_run *run) {
     const double part = 0.25; /* of the run's largest depth and force */
     double deepest = 0.0, peak = 0.0;

@@ -122,8 +122,8 @@ void explain_shown_find(explain_data *data);
 /* ---- runs without a specimen (explain_block.c) ---- */
 
 /* What each input presses: by its file (specimen.kind), or else by its force relative to the others'. A run
- * without force counts as a press of the specimen if its file names one, or if it lacks the noise of the
- * other runs. palp_recording_check then refuses it. */
+ * without force is one of the specimen if its file names one, or if it lacks the other runs' noise.
+ * palp_recording_check then refuses it. */
 palp_status explain_find_pressed(size_t n, const palp_explain_input *inputs, palp_explain_pressed *pressed,
                                  palp_error *error);
 

@@ -80,8 +80,8 @@ static void try_kind(void *user, size_t i) {
     t->status[i] = PALP_OK;
 }
 
-/* Log odds of the fit over one whose runs do not share term d, less the prior cost of the term's sizes and of
- * its kind, which is one of many. */
+/* Log odds of the fit over one whose runs do not share term d. The prior cost of the term's sizes and of its
+ * kind is taken off. */
 static palp_status weigh(const infer_fit *fit, const infer_search *s, size_t d, double *nats) {
     enum { ROUNDS = 12, EVALUATIONS = 15 };
     infer_fit without;

@@ -303,8 +303,8 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
 /* Parameters, contacts and sizes in turn; with noise, that too. (infer_settle.c) */
 palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t rounds, bool noise);
 
-/* Continues until a round changes the score by less than a thousandth of a nat, so that the result does not
- * depend on the path of the search. */
+/* Continues until a round changes the score by less than a thousandth of a nat. So the result does not depend
+ * on the path of the search. */
 palp_status infer_fit_converge(infer_fit *fit, const explain_data *data);
 
 /* Parameters of a new fit without a discrepancy: white noise takes its place, each round as large as the last

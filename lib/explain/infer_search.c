@@ -279,7 +279,7 @@ static void try_task(void *user, size_t i) {
 }
 
 /* Brings a trial's fit to convergence if it is among the most promising ones, or if its arms are driven
- * otherwise, which needs more than a few steps. Freed where it fails. */
+ * otherwise: that takes more than a few steps. Freed where it fails. */
 static palp_status settle_promising(const infer_search *s, infer_fit *fit) {
     const bool driven =
         fit->raw && fit->c.model.material.quasi_linear != s->fit.c.model.material.quasi_linear;

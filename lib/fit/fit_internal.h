@@ -158,8 +158,8 @@ void fit_contacts_free(fit_contacts *contacts);
 palp_status fit_contacts_differentiate(const fit_problem *problem, const fit_contacts *contacts,
                                        const double *p, double *by, double *other);
 
-/* log of the Bayes factor of contacts that differ from run to run over known ones, from the residual of a fit
- * p with known contacts. */
+/* log of the Bayes factor of contacts that scatter over known ones, from the residual of a fit p with known
+ * contacts. */
 palp_status fit_contacts_weigh(const fit_problem *problem, const double *p, double *log_evidence);
 
 /* From a fit p with known contacts; the problem's strains are then those of the contacts found. */

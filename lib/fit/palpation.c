@@ -692,8 +692,8 @@ static palp_status solve_without_ball(search *s, palp_error *error) {
 }
 
 /* A lattice has an error at its borders and between its nodes. It is measured against a finer lattice of the
- * tissue without a ball, as log[n] of the forces, and taken to be the same with a ball. The finer lattice has
- * an error as well. Its prior size is the same, which counts as so many presses. */
+ * tissue without a ball, as log[n] of the forces. It is taken to be the same with a ball. The finer lattice
+ * has an error as well. Its prior size is the same, which counts as so many presses. */
 static palp_status measure_lattice_error(const search *s, double *more) {
     search fine = *s;
     memset(more, 0, s->n * sizeof *more);

@@ -1,5 +1,5 @@
-/* petsc_save.c: the state of a network in parts in one file, in the order of the whole mesh, so that any
- * number of processes can read it. PETSc's binary format. */
+/* petsc_save.c: the state of a network in parts, in one file in the order of the whole mesh. Any number of
+ * processes can read it. PETSc's binary format. */
 #include "petsc_internal.h"
 
 #include "base/file.h"

@@ -1,6 +1,6 @@
 /* test_infer_drive.c: arms that the elastic force drives (Fung) with a law that stiffens, where the given
- * model's are linear, or the reverse: that is a law of the material, and no effect is accused of it. check:
- * once */
+ * model's are linear, or the reverse: that is a law of the material, and no effect is named for it.
+ * check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
