@@ -99,7 +99,7 @@ static palp_status confirm(infer_search *s, infer_fit *given, palp_explanation *
                 if (e->candidate[k].id == infer_added_id(s, i)) {
                     e->candidate[k].unconfirmed = true;
                     snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
-                             "does not help to predict what is left out");
+                             "does not improve the prediction of runs left out");
                 }
         s->fit = *given;
         *given = found;
@@ -254,7 +254,7 @@ palp_status palp_explain(const palp_model *model, size_t n, const palp_explain_i
     if (n == 0)
         return palp_error_set(error, PALP_ERR_ARGUMENT, "no runs to explain");
     if (model && settings->simulated)
-        return palp_error_set(error, PALP_ERR_ARGUMENT, "a model beside simulated forces");
+        return palp_error_set(error, PALP_ERR_ARGUMENT, "both a model and simulated forces");
     if (!model) {
         palp_status status = explain_stand_in(n, inputs, settings, &stand_in, error);
         if (status)

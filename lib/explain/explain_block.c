@@ -207,7 +207,7 @@ palp_status palp_explain_frame(size_t n, const palp_explain_input *runs, palp_fr
     if (status)
         return status;
     if (!(found.compliance > 0.0) || !isfinite(found.high))
-        return palp_error_set(error, PALP_ERR_INPUT, "%s: shows no frame that gives way",
+        return palp_error_set(error, PALP_ERR_INPUT, "%s: shows no compliance of the frame",
                               runs[0].name ? runs[0].name : "run");
     *frame = (palp_frame){.compliance_m_N = found.compliance, .low_m_N = found.low, .high_m_N = found.high};
     return PALP_OK;

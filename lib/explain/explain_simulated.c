@@ -186,9 +186,9 @@ palp_status explain_take_simulated(explain_data *data, const palp_explain_input 
         if (!from->experiment)
             return palp_error_set(error, PALP_ERR_INPUT, "%s: no simulated run goes with it", run->name);
         if (data->joined.made[k])
-            return palp_error_set(error, PALP_ERR_UNSUPPORTED,
-                                  "%s: goes on in another file; simulated forces need all of a run in one",
-                                  run->name);
+            return palp_error_set(
+                error, PALP_ERR_UNSUPPORTED,
+                "%s: continues in another file; simulated forces need a whole run in one file", run->name);
         status = take_forces(data, run, from, nats, &square, error);
         count += (double)run->n;
     }

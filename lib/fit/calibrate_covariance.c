@@ -135,7 +135,7 @@ palp_status palp_calibrate_covariance(const palp_model *lumped, const palp_model
     for (size_t r = 0; r < n_runs && !status; r++)
         status = take_run(&c, &runs[r], error);
     if (!status && solve(&c))
-        status = palp_error_set(error, PALP_ERR_SINGULAR, "the runs tell nothing of the network");
+        status = palp_error_set(error, PALP_ERR_SINGULAR, "the runs do not determine the network");
     if (!status) {
         carry(&c, lumped->covariance, covariance);
         if (between)

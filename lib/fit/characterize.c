@@ -319,10 +319,11 @@ palp_status fit_finish(fit_problem *p, const double *v, const fit_curvature *c, 
 }
 
 palp_status fit_failed(palp_error *error, palp_status status, const char *recording) {
-    const char *what = status == PALP_ERR_SINGULAR ? "the recordings do not tell the numbers of this law and "
-                                                     "these arms apart: take fewer arms or a simpler law, "
-                                                     "or add recordings of other depths and speeds"
-                                                   : palp_status_text(status);
+    const char *what = status == PALP_ERR_SINGULAR
+                           ? "the recordings do not determine the parameters of this law "
+                             "and these arms: take fewer arms or a simpler law, "
+                             "or add recordings of other depths and speeds"
+                           : palp_status_text(status);
     return error && error->text[0] ? status : palp_error_set(error, status, "%s: %s", recording, what);
 }
 

@@ -293,7 +293,8 @@ json_t *explain_json(const explain_options *o, const palp_explanation *e) {
 json_t *explain_protocol(const palp_explanation *e) {
     json_t *root = json_object();
     char about[160];
-    snprintf(about, sizeof about, "tells %s from %s", id_of(e->next.between[0]), id_of(e->next.between[1]));
+    snprintf(about, sizeof about, "separates %s from %s", id_of(e->next.between[0]),
+             id_of(e->next.between[1]));
     json_object_set_new(root, "palpate", json_pack("{s:i}", "protocol", 1));
     json_object_set_new(root, "about", json_string(about));
     json_figures(root, {"rest_s", e->next.rest_s});
