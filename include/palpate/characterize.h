@@ -127,10 +127,10 @@ typedef struct palp_specimens_fit {
                  Student's t of n_specimens - 1; its residuals are of each run to the mean specimen's force */
     size_t n_specimens;
     palp_material *own; /* [n_specimens] of each */
-    double *factor;     /* [n_specimens] about its force by that of the mean */
+    double *factor;     /* [n_specimens] its force over that of the mean, about */
     double *between;    /* [mean.n_parameters^2] covariance of the specimens about the mean; 0: no more than
                            chance */
-    double *within;     /* [mean.n_parameters^2] what the runs of one specimen leave open of it */
+    double *within;     /* [mean.n_parameters^2] covariance of one specimen's estimate */
     size_t n_spread;    /* directions in which the specimens differ by more than chance */
     double low, high;   /* 95 % interval of their sd over the estimate; 0: by chi squared */
 } palp_specimens_fit;
@@ -161,7 +161,7 @@ typedef struct palp_specimens_point {
     double stiffness_N, sd_N; /* of the mean specimen */
     double between_N, between_low,
         between_high; /* sd between specimens, and its 95 % interval by chi squared */
-    double within_N;  /* sd that the runs of one leave open */
+    double within_N;  /* sd of one specimen's estimate */
     double new_sd_N;  /* 1.96 of it about stiffness_N hold 95 % of the specimens not measured */
 } palp_specimens_point;
 

@@ -41,8 +41,8 @@ typedef struct palp_material {
 } palp_material;
 
 /* Whether a material can be run; a line in error (may be NULL) says what is wrong. ERR_ARGUMENT: a number out
- * of its range or not finite; ERR_LIMIT: more than PALP_ARMS_MAX arms; ERR_UNSUPPORTED: what the formulation
- * has no equation for. */
+ * of its range or not finite; ERR_LIMIT: more than PALP_ARMS_MAX arms; ERR_UNSUPPORTED: the formulation has
+ * no equation for it. */
 PALP_API palp_status palp_material_check(const palp_material *material, palp_error *error);
 
 /* The state of one element after a step, from which the next one starts; zero-initialised = undeformed and at

@@ -63,9 +63,9 @@ typedef struct palp_model {
     size_t n_specimens; /* with between, 2 or more */
     size_t n_validity;  /* network only: the presses that it was checked by; 0 = it was not */
     palp_validity validity[PALP_VALIDITY_MAX];
-    size_t n_effects; /* what is added to the plain model; run by palp_forward_* */
+    size_t n_effects; /* additions to the plain model; run by palp_forward_* */
     palp_effect effects[PALP_EFFECTS_MAX];
-    size_t n_free; /* what no effect describes; added to the force by palp_forward_* */
+    size_t n_free; /* free terms; added to the force by palp_forward_* */
     palp_free_term free_term[PALP_FREE_TERMS];
 } palp_model;
 

@@ -1,5 +1,4 @@
-/* recording.h: a raw recording made ready for a fit: contact, zero force, noise, what is wrong with it. May
- * change. */
+/* recording.h: a raw recording made ready for a fit: contact, zero force, noise, defects. May change. */
 #ifndef PALPATE_RECORDING_H
 #define PALPATE_RECORDING_H
 

@@ -12,11 +12,12 @@
 extern "C" {
 #endif
 
-typedef struct palp_snapshots palp_snapshots; /* what the full network did on one path; palp_snapshots_free */
+typedef struct palp_snapshots palp_snapshots; /* states of the full network on one path;
+                                                 palp_snapshots_free */
 typedef struct palp_reduced palp_reduced;     /* opaque; palp_reduced_free */
 
-/* What the plate and the tools do, sample by sample: the network is stepped from each to the next, the first
- * from rest at time 0. All the caller's. */
+/* Motion of the plate and the tools, sample by sample: the network is stepped from each to the next, the
+ * first from rest at time 0. All the caller's. */
 typedef struct palp_tool_path {
     size_t n;              /* samples */
     const double *time_s;  /* [n], >= 0, increasing */
@@ -36,11 +37,10 @@ typedef struct palp_reduce_settings {
 
 PALP_API palp_reduce_settings palp_reduce_settings_default(void);
 
-/* Runs the network (reset first) along a path and keeps what it did; with its realtime where that is not
- * NULL, which is much faster for large networks. Tools need palp_network_enable_tools. The caller owns
- * *snapshots. ERR_ARGUMENT: times that do not increase, a number that is not finite, another network's
- * realtime; else the statuses of palp_network_step, with the time in error. observer (may be NULL): non-zero
- * = ERR_STOPPED. */
+/* Runs the network (reset first) along a path and keeps its states; with its realtime where that is not NULL,
+ * which is much faster for large networks. Tools need palp_network_enable_tools. The caller owns *snapshots.
+ * ERR_ARGUMENT: times that do not increase, a number that is not finite, another network's realtime; else the
+ * statuses of palp_network_step, with the time in error. observer (may be NULL): non-zero = ERR_STOPPED. */
 PALP_API palp_status palp_snapshots_record(palp_network *network, palp_realtime *realtime,
                                            const palp_tool_path *path, palp_network_observer observer,
                                            void *user, palp_snapshots **snapshots, palp_error *error);
@@ -57,10 +57,10 @@ typedef struct palp_reduce_error {
  * stiffness at rest (Sirovich 1987), elements and their weights by energy-conserving sampling and weighting
  * (ECSW; Farhat, Avery, Chapman, Cortial 2014), its non-negative least squares by Lawson and Hanson 1974. The
  * network (reset) must be the one of the snapshots. With n_held_out > 0 the error is then measured on paths
- * held out, into error_held_out[n_held_out] (may be NULL), and bounds what the model says of itself. The
- * caller owns *reduced. ERR_UNSUPPORTED: mass, PALP_SEDEF2008, springs with a load history, a volume modulus
- * or Poisson's ratio, ties, tissue that touches itself; ERR_SINGULAR: a network that is a mechanism at rest.
- */
+ * held out, into error_held_out[n_held_out] (may be NULL). The bound in the model's summary follows from it.
+ * The caller owns *reduced. ERR_UNSUPPORTED: mass, PALP_SEDEF2008, springs with a load history, a volume
+ * modulus or Poisson's ratio, ties, tissue that touches itself; ERR_SINGULAR: a network that is a mechanism
+ * at rest. */
 PALP_API palp_status palp_reduced_create(palp_network *network, size_t n_paths,
                                          palp_snapshots *const *snapshots, size_t n_held_out,
                                          palp_snapshots *const *held_out,

@@ -18,7 +18,7 @@ typedef struct palp_tie_point {
 } palp_tie_point;
 
 /* A thread through points. It runs freely through those between its ends, so that its tension is the same
- * all along: stiffness times what it is longer than length_m, and none while it is slack. */
+ * all along: stiffness times the elongation beyond length_m, and none while it is slack. */
 typedef struct palp_tie {
     size_t n_points; /* 2 to PALP_TIE_POINTS */
     palp_tie_point point[PALP_TIE_POINTS];
