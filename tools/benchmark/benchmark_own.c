@@ -33,7 +33,8 @@ static void become(const char *const *words, const char *said) {
     _exit(127);
 }
 
-/* This program with these words about a run; its messages go to a file of the folder, and are shown if it fails.
+/* This program with these words about a run; its messages go to a file of the folder, and are shown if it
+ * fails.
  */
 static int run_command(const char *folder, const char *const *words, const char *run) {
     char said[CLI_PATH_MAX], line[512];
