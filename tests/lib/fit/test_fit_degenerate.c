@@ -104,7 +104,7 @@ END_TEST
 START_TEST(a_singular_fit_says_what_to_do) {
     palp_error error = {PALP_OK, ""};
     ck_assert_int_eq(fit_failed(&error, PALP_ERR_SINGULAR, "run.csv"), PALP_ERR_SINGULAR);
-    ck_assert_ptr_nonnull(strstr(error.text, "run.csv: the recordings do not tell"));
+    ck_assert_ptr_nonnull(strstr(error.text, "run.csv: the recordings do not determine"));
     ck_assert_ptr_nonnull(strstr(error.text, "fewer arms"));
     ck_assert_ptr_null(strstr(error.text, "mechanism"));
     fit_failed(&error, PALP_ERR_NO_MEMORY, "other.csv"); /* the first word stays */
