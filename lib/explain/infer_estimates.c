@@ -135,6 +135,7 @@ static palp_status fill_runs(infer_search *s, const infer_posterior *p, size_t n
     out->absolute_N = calloc(n, sizeof *out->absolute_N);
     if (!out->contact_m || !out->contact_sd_m || !out->rms_N || !out->absolute_N)
         return PALP_ERR_NO_MEMORY;
+    double square = 0.0, count = 0.0; /* of the contacts, about where they average 0 */
     palp_status status = infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
     for (size_t r = 0, at = 0; r < s->data.n_runs && !status; at += s->data.run[r++].n) {
         double own[INFER_BLOCK], covariance[INFER_BLOCK * INFER_BLOCK], squares = 0.0;
@@ -145,14 +146,17 @@ static palp_status fill_runs(infer_search *s, const infer_posterior *p, size_t n
             continue;
         status = infer_own(&s->fit, &s->data, p, r, own, covariance);
         out->contact_m[i] = own[INFER_CONTACT] + shared_contact(s);
-        out->contact_sd_m[i] = sqrt(fmax(0.0, covariance[INFER_CONTACT * (INFER_BLOCK + 1)]));
+        if (s->fit.sizes.own[INFER_CONTACT] > 0.0) /* it has one */
+            out->contact_sd_m[i] = sqrt(fmax(0.0, covariance[INFER_CONTACT * (INFER_BLOCK + 1)]));
+        square += pow(own[INFER_CONTACT], 2.0) + pow(out->contact_sd_m[i], 2.0);
+        count += 1.0;
         for (size_t j = 0; j < s->data.run[r].n; j++) {
             squares += s->residual[at + j] * s->residual[at + j];
             out->absolute_N[i] += fabs(s->residual[at + j]);
         }
         out->rms_N[i] = sqrt(squares / (double)s->data.run[r].n);
     }
-    out->contact_scatter_m = s->fit.sizes.own[INFER_CONTACT];
+    out->contact_scatter_m = sqrt(square / fmax(1.0, count - 1.0));
     out->reduced_chi2 = p->chi2 / (double)explain_samples(&s->data);
     out->inflation = 1.0;
     return status;

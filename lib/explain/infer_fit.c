@@ -106,17 +106,18 @@ void infer_noise_begin(infer_fit *fit, const explain_data *data) {
     infer_steps_find(fit, data);
 }
 
-/* The size of fit->raw: columns, products, the specimens' parameters, and the slopes that the noise depends
- * on. */
+/* The size of fit->raw: columns, products, the specimens' parameters, the contacts' precisions, and the
+ * slopes that the noise depends on. */
 static size_t room(const infer_fit *fit, const explain_data *data) {
     return data->n * (fit->m + sizeof *fit->sample / sizeof(double)) +
-           data->n_runs * (fit->m * fit->m + INFER_SPECIMEN);
+           data->n_runs * (fit->m * fit->m + INFER_SPECIMEN + 1);
 }
 
 static void place(infer_fit *fit, const explain_data *data) {
     fit->product = fit->raw + data->n * fit->m;
     fit->specimen = fit->product + data->n_runs * fit->m * fit->m;
-    fit->sample = (infer_sample *)(fit->specimen + data->n_runs * INFER_SPECIMEN);
+    fit->contact_certain = fit->specimen + data->n_runs * INFER_SPECIMEN;
+    fit->sample = (infer_sample *)(fit->contact_certain + data->n_runs);
 }
 
 palp_status infer_fit_create(const palp_model *model, const explain_data *data, const infer_fit *like,
@@ -154,8 +155,11 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
     set_priors(fit, data);
     for (size_t i = 0; i < PALP_LAW_MAX; i++)
         fit->certain[i] = 1.0;
+    for (size_t r = 0; r < data->n_runs; r++)
+        fit->contact_certain[r] = 1.0;
     if (like) {
         memcpy(fit->certain, like->certain, sizeof fit->certain);
+        memcpy(fit->contact_certain, like->contact_certain, data->n_runs * sizeof *fit->contact_certain);
         fit->noise = like->noise;
         memcpy(fit->sample, like->sample, data->n * sizeof *fit->sample);
         fit->sizes = like->sizes;
@@ -209,6 +213,7 @@ void infer_fit_take_state(const infer_fit *from, const explain_data *data, infer
     fit->c.renewed = from->c.renewed;
     memcpy(fit->specimen, from->specimen, INFER_SPECIMEN * n_runs * sizeof *fit->specimen);
     memcpy(fit->c.contact, from->c.contact, n_runs * sizeof *fit->c.contact);
+    memcpy(fit->contact_certain, from->contact_certain, n_runs * sizeof *fit->contact_certain);
     memcpy(fit->c.gain, from->c.gain, n_runs * sizeof *fit->c.gain);
     memcpy(fit->given + law, from->given + was, 2 * fit->c.model.material.n_arms * sizeof *fit->given);
     take_scans(from, fit);

@@ -88,12 +88,13 @@ typedef struct infer_fit {
     bool free;      /* its domains run over these terms instead (infer_columns.c) */
     size_t n_terms;
     palp_free_term term[INFER_DOMAINS];
-    bool held;            /* contacts, specimens and nonlinear gains are fixed at the values of the columns */
-    double *raw;          /* all runs' columns, run r at raw + first sample m */
-    double *product;      /* [n_runs m m] of the whitened ones */
-    double *specimen;     /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
-    infer_sample *sample; /* [data->n] */
-    double converter;     /* step of the force, N; 0 = none was found */
+    bool held;        /* contacts, specimens and nonlinear gains are fixed at the values of the columns */
+    double *raw;      /* all runs' columns, run r at raw + first sample m */
+    double *product;  /* [n_runs m m] of the whitened ones */
+    double *specimen; /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
+    double *contact_certain; /* [n_runs] expected precision of each contact, in units of that of its size */
+    infer_sample *sample;    /* [data->n] */
+    double converter;        /* step of the force, N; 0 = none was found */
     double certain[PALP_LAW_MAX]; /* of each bend: expected precision, in units of sizes.bend's */
     double log_noise;             /* log determinant of the noise's covariance, less the part that tails count
                                      twice */
@@ -205,7 +206,12 @@ double infer_hats_precision(const double size[INFER_LENGTHS], size_t n, double *
 /* Precision q[k k] of the coordinates, about fit->given; returns its log determinant. */
 palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *q, double *log_det);
 
-/* Log evidence that the expected precisions of the bends add: 0 where all are 1. */
+/* Cauchy's distribution as a mixture of normal ones: the expected precision of what has this expected square,
+ * both in units of the scale's, and what it adds to the log evidence: 0 where it is 1. */
+double infer_cauchy_certain(double square);
+double infer_cauchy_evidence(double certain);
+
+/* Log evidence that the expected precisions of the bends add. */
 double infer_bends_evidence(const infer_fit *fit);
 
 /* Whether runs have gains: if a specimen was pressed more than once. Otherwise a gain belongs to its

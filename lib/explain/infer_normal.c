@@ -44,13 +44,14 @@ static bool own_factor(const infer_fit *fit, size_t r, double *l, double *log_pr
         for (size_t b = 0; b < B; b++)
             l[a * B + b] = product[(fit->k + a) * fit->m + fit->k + b];
     for (size_t a = 0; a < INFER_OWN; a++) {
-        const double sd = fit->sizes.own[a];
+        const double certain = a == INFER_CONTACT ? fit->contact_certain[r] : 1.0,
+                     sd = fit->sizes.own[a] / sqrt(certain);
         double place;
         for (size_t b = 0; b < B && !(sd > 0.0); b++)
             l[a * B + b] = l[b * B + a] = 0.0;
         l[a * B + a] += sd > 0.0 ? 1.0 / (sd * sd) : 1.0;
         l[a * B + a] += hold_own(fit, a, r, &place);
-        *log_prior -= sd > 0.0 ? 2.0 * log(sd) : 0.0;
+        *log_prior += sd > 0.0 ? 2.0 * (infer_cauchy_evidence(certain) - log(sd)) : 0.0;
     }
     for (size_t d = 0; d < INFER_DOMAINS; d++) {
         const size_t at = INFER_OWN + d * INFER_NODES;
@@ -75,10 +76,11 @@ static bool is_absent(const infer_fit *fit, size_t outer) {
     return outer < INFER_HATS && !infer_any(fit->sizes.common[outer / INFER_NODES]);
 }
 
-/* Whether the run's contact is one of those that average 0. */
-static bool in_mean(const infer_fit *fit, const explain_data *data, size_t r) {
-    return data->contacts_average_0 && !fit->held && !data->run[r].held_out &&
-           fit->sizes.own[INFER_CONTACT] > 0.0;
+/* The weight of the run's contact among those that average 0: how certain it is. */
+static double in_mean(const infer_fit *fit, const explain_data *data, size_t r) {
+    const bool in = data->contacts_average_0 && !fit->held && !data->run[r].held_out &&
+                    fit->sizes.own[INFER_CONTACT] > 0.0;
+    return in ? fit->contact_certain[r] : 0.0;
 }
 
 /* cross[BLOCK outer]: products of run r's parameters with the outer columns; with the multiplier its contact
@@ -98,7 +100,7 @@ static void own_cross(const infer_fit *fit, const explain_data *data, size_t r, 
         const double precision = hold_own(fit, a, r, &place);
         cross[(outer - 1) * INFER_BLOCK + a] += precision * place;
     }
-    cross[(s - 1) * INFER_BLOCK + INFER_CONTACT] = in_mean(fit, data, r) ? 1.0 : 0.0;
+    cross[(s - 1) * INFER_BLOCK + INFER_CONTACT] = in_mean(fit, data, r);
 }
 
 /* Adds run r, with its own parameters eliminated, to the outer matrix a[outer outer]; and to the log
@@ -213,7 +215,7 @@ static void take_mean(const infer_fit *fit, const explain_data *data, infer_post
     const double curvature = -a[g * n + g];
     double *slope = p->pull_of_mean, count = 0.0;
     for (size_t r = 0; r < data->n_runs; r++)
-        count += in_mean(fit, data, r) ? 1.0 : 0.0;
+        count += in_mean(fit, data, r);
     p->mean_square = count > 0.0 && curvature > 0.0 ? 1.0 / curvature : 0.0;
     for (size_t i = 0; i <= g; i++)
         slope[i] = -p->mean_square * a[g * n + (i < g ? i : g + 1)];

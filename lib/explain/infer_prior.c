@@ -87,14 +87,22 @@ palp_status infer_prior(const infer_fit *fit, const explain_data *data, double *
     return definite ? PALP_OK : PALP_ERR_SINGULAR;
 }
 
-/* The bends' precisions have independent gamma distributions of shape and rate 1/2 (the bends' is Cauchy's
- * then); q of each, of shape 1, is the nearest to its posterior. The bound of the evidence has the expected
- * log of the prior over q, less the excess of the determinant with the expected precision. */
+double infer_cauchy_certain(double square) {
+    return 2.0 / (1.0 + square);
+}
+
+/* The precisions have independent gamma distributions of shape and rate 1/2; q of each, of shape 1, is the
+ * nearest to its posterior. The bound of the evidence has the expected log of the prior over q, less the
+ * excess of the determinant with the expected precision. */
+double infer_cauchy_evidence(double certain) {
+    return 0.5 * (log(certain) - certain + 1.0);
+}
+
 double infer_bends_evidence(const infer_fit *fit) {
     const palp_law *law = &fit->c.model.material.law;
     double sum = 0.0;
     for (size_t i = 1; law->kind == PALP_LAW_SPLINE && i + 1 < law->n; i++)
-        sum += 0.5 * (log(fit->certain[i]) - fit->certain[i] + 1.0);
+        sum += infer_cauchy_evidence(fit->certain[i]);
     return sum;
 }
 

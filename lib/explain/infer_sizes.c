@@ -19,10 +19,19 @@ static void add_scalar(pair *s, double sd, double mean, double variance) {
     s->expected += 1.0 / prior - variance / (prior * prior);
 }
 
+/* A wrong contact must not move those of the other runs: in characterize the prior of contacts is Cauchy's,
+ * as that of the bends. Returns its expected precision. */
+static double add_contact(pair *s, double sd, const explain_data *data, double mean, double variance) {
+    const double square = (mean * mean + variance) / (sd * sd),
+                 certain = data->contacts_average_0 ? infer_cauchy_certain(square) : 1.0;
+    add_scalar(s, sd, mean * sqrt(certain), variance * certain);
+    return certain;
+}
+
 /* The sd of a contact in a file counts as one more contact with this error. */
 static void add_told(pair *s, double sd, const explain_data *data) {
     for (size_t i = 0; sd > 0.0 && i < data->n_contact_told; i++)
-        add_scalar(s, sd, data->contact_told, 0.0);
+        add_contact(s, sd, data, data->contact_told, 0.0);
 }
 
 /* One domain's hats: mean[NODES], covariance v with rows of n. */
@@ -72,7 +81,7 @@ static void add_bends(pair *s, infer_fit *fit, const double *step, const double 
                 variance += d[a] * d[b] * covariance[(i - 1 + a) * k + i - 1 + b];
         }
         const double square = (mean * mean + variance) / (fit->sizes.bend * fit->sizes.bend);
-        fit->certain[i] = 2.0 / (1.0 + square);
+        fit->certain[i] = infer_cauchy_certain(square);
         add_scalar(s, fit->sizes.bend, mean * sqrt(fit->certain[i]), variance * fit->certain[i]);
     }
 }
@@ -93,7 +102,10 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
             continue;
         status = infer_own(fit, data, &p, r, mean, covariance);
         for (size_t a = 0; a < INFER_OWN && !status; a++)
-            if (fit->sizes.own[a] > 0.0)
+            if (fit->sizes.own[a] > 0.0 && a == INFER_CONTACT)
+                fit->contact_certain[r] =
+                    add_contact(&own[a], fit->sizes.own[a], data, mean[a], covariance[a * B + a]);
+            else if (fit->sizes.own[a] > 0.0)
                 add_scalar(&own[a == INFER_COSINE ? INFER_SINE : a], fit->sizes.own[a], mean[a],
                            covariance[a * B + a]);
         for (size_t d = 0; d < INFER_DOMAINS && !status; d++) {

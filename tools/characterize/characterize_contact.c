@@ -10,11 +10,12 @@ static const char NAME[] = "characterize";
 void characterize_move_contacts(characterize_state *s, const palp_lumped_fit *fit) {
     for (size_t r = 0; r < s->n; r++) {
         palp_recording *run = &s->run[r];
+        const double sd = fmax(fit->contact_scatter_m, fit->contact_sd_m[r]);
         for (size_t i = 0; i < run->n; i++)
             run->depth_m[i] -= fit->contact_m[r];
         run->deepest_m -= fit->contact_m[r];
         run->contact_m += fit->contact_m[r];
-        run->contact_sd_m = fmax(fit->contact_scatter_m, fit->contact_sd_m[r]);
+        run->contact_sd_m = sd > 0.0 ? sd : run->contact_sd_m; /* 0: it was known */
     }
 }
 
