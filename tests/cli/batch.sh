@@ -196,7 +196,7 @@ sed 's/\[3, 3, 3\]/[21, 21, 21]/' "$M" >swapped.json
 "$PALPATE" batch slow.json --out child --jobs 2 >child.out 2>child.err &
 batch=$!
 await sh -c "[ \"\$(grep -vc '^#' child/journal)\" -eq 8 ]"
-for child in $(ps -o pid= --ppid $batch); do kill -9 "$child"; done
+for child in $(grep -l "^PPid:[[:blank:]]*$batch$" /proc/[0-9]*/status 2>/dev/null | cut -d / -f 3); do kill -9 "$child"; done
 wait $batch
 [ $? -eq 1 ] && grep -q "palpate batch: k9: ended by signal 9" child.err || fail "a job that is killed: $(cat child.err)"
 grep -q '^k9,137,' child/table.csv || fail "the table of a killed job: $(tail -n 1 child/table.csv)"
