@@ -222,9 +222,11 @@ function drawLive() {
 
 let chosen = []; /* recordings drawn beside it */
 
+const askLive = signal => ask("GET", `/live?point=${nextPoint}&note=${nextNote}`, undefined, signal);
+
 async function poll() {
   try {
-    const got = await ask("GET", `/live?point=${nextPoint}&note=${nextNote}`, undefined, AbortSignal.timeout(10000));
+    const got = await askLive(AbortSignal.timeout(10000));
     heard = Date.now();
     now = got.state;
     take(got.points);
@@ -326,7 +328,7 @@ let series = null; /* the one under way; what ends it sets this to null */
 /* The server's answer once it shows this, or null where the series was ended before. */
 async function whenLive(mine, shows) {
   while (series === mine) {
-    const live = await ask("GET", `/live?point=${nextPoint}&note=${nextNote}`);
+    const live = await askLive();
     if (shows(live)) return live;
     await new Promise(r => setTimeout(r, 200));
   }
@@ -334,16 +336,18 @@ async function whenLive(mine, shows) {
 }
 
 async function explainChosen(mine, left) {
-  const before = (await ask("GET", `/live?point=${nextPoint}&note=${nextNote}`)).job.done;
+  const before = (await askLive()).job.done;
+  if (series !== mine) return null;
   await ask("POST", "/job?what=explain&next_s=" + left, [...marked.keys()].join(","));
   const live = await whenLive(mine, l => l.job.done > before);
   return live && live.job.good ? ask("GET", "/made?name=explain.json") : null;
 }
 
-/* False where it did not go to its end. */
+/* False where it did not go to its end. Nothing moves once the series has ended. */
 async function measureNext(mine) {
-  const old = new Set(runs.map(r => r.name));
-  await ask("POST", "/start", JSON.stringify(await ask("GET", "/made?name=next.json")));
+  const old = new Set(runs.map(r => r.name)), protocol = JSON.stringify(await ask("GET", "/made?name=next.json"));
+  if (series !== mine) return false;
+  await ask("POST", "/start", protocol);
   const live = await whenLive(mine, l => !l.state.busy);
   await listRuns();
   const fresh = runs.filter(r => !old.has(r.name));
@@ -365,11 +369,11 @@ async function measureUntilExplained(mine) {
 
 async function toggleSeries() {
   if (series) { series = null; order("/stop"); order("/job?what=cancel"); return; }
-  const mine = series = {};
+  const mine = series = {}, words = $("until").textContent;
   $("until").textContent = "End the series";
   try { note(await measureUntilExplained(mine), false); } catch (e) { note(e.message, true); }
   if (series === mine) series = null;
-  $("until").textContent = "Explain, measure, explain again";
+  $("until").textContent = words;
 }
 
 let jobShown = "";

@@ -125,6 +125,17 @@ try:
     b.until(f"{NOTES}.includes('The series has ended: explained')")
     assert b.run("jobs") == [["/job?what=explain&next_s=60", "ramp_hold_2mm.csv"], ["/job?what=explain&next_s=55", "ramp_hold_2mm.csv,ramp_hold_1mm.csv"]]
     assert os.path.exists("seen/ramp_hold_1mm.csv")
+    print("it is stopped while the experiment is read: nothing moves")
+    b.run("""(() => { const before = ask; jobs.length = 0; window.started = 0;
+        ask = async (method, path, body, signal) => {
+          started += path === '/start';
+          const got = await before(method, path, body, signal);
+          if (path === '/made?name=next.json') document.querySelector('#stop').onclick();
+          return got;
+        }; })()""")
+    b.click("#until")
+    b.until(f"{NOTES}.includes('was not recorded whole')")
+    assert b.run("started") == 0 and b.run("document.querySelector('#until').innerText").startswith("Explain")
     b.run("jobs.length = 0")
     b.run("(() => { document.querySelector('#budget').value = '0.05'; })()")
     b.click("#until")
