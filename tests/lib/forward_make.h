@@ -4,6 +4,7 @@
 
 #include <palpate/experiment.h>
 #include <palpate/forward.h>
+#include <palpate/random.h>
 
 #include <check.h>
 #include <math.h>
@@ -121,6 +122,20 @@ static inline void press_model(const palp_model *m, samples *s) {
     palp_error error = {PALP_OK, ""};
     palp_status status = palp_forward_force(m, &run, s->force_N, NULL, &error);
     ck_assert_msg(status == PALP_OK, "%s", error.text);
+}
+
+/* Run r of a session, n samples with noise of 2 mN: a press, a dwell and a withdrawal; each is slower than
+ * the one before, and less deep. */
+static inline void press_session_run(const palp_model *m, size_t r, size_t n, uint64_t *noise, samples *s) {
+    s->n = n;
+    for (size_t i = 0; i < n; i++) {
+        const double up = (double)i / (20 + 25 * (double)r), down = ((double)n - 15.0 - (double)i) / 40;
+        s->time_s[i] = 0.05 * (double)i;
+        s->depth_m[i] = 1e-3 * fmax(-1, (6 - 0.5 * (double)r) * fmin(1, fmin(up, down)) - 1);
+    }
+    press_model(m, s);
+    for (size_t i = 0; i < n; i++)
+        s->force_N[i] += 2e-3 * palp_random_normal(noise);
 }
 
 /* ---- derivatives against finite differences ---- */

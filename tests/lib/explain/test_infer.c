@@ -2,28 +2,20 @@
 #include "forward_make.h"
 
 #include <palpate/explain.h>
-#include <palpate/random.h>
 
 enum { RUNS = 4, EACH = 220 };
 
 static palp_explain_input input[RUNS];
 static const char *const name[RUNS] = {"1.csv", "2.csv", "3.csv", "4.csv"};
 
-/* Presses, dwells and withdrawals at several speeds and depths; forces and lengths in these units. */
+/* Forces and lengths in these units. */
 static void record(const palp_model *m, double force, double length) {
     static samples s;
     uint64_t noise = 4;
     for (size_t r = 0; r < RUNS; r++) {
-        start(&s, 0, -1);
-        for (size_t i = 1; i < EACH; i++) {
-            const double up = (double)i / (20 + 25 * (double)r), down = (EACH - 15.0 - (double)i) / 40;
-            s.time_s[i] = 0.05 * (double)i;
-            s.depth_m[i] = 1e-3 * fmax(-1, (6 - 0.5 * (double)r) * fmin(1, fmin(up, down)) - 1);
-        }
-        s.n = EACH;
-        press_model(m, &s);
+        press_session_run(m, r, EACH, &noise, &s);
         for (size_t i = 0; i < EACH; i++) {
-            s.force_N[i] = force * (s.force_N[i] + 2e-3 * palp_random_normal(&noise));
+            s.force_N[i] *= force;
             s.depth_m[i] *= length;
         }
         input[r] = (palp_explain_input){samples_experiment(&s), name[r]};
