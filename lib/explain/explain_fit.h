@@ -39,7 +39,6 @@ palp_status explain_augment(const palp_model *model, palp_model *full, size_t *o
  * logarithms of its stiffness and of its time. */
 void explain_chain(const explain_fit *fit, size_t n, double *gradient);
 
-
 /* fit->x into fit->model. ERR_ARGUMENT: makes no model. */
 palp_status explain_fit_to_model(explain_fit *fit);
 

@@ -153,8 +153,8 @@ static palp_status make_network(palp_ranks *ranks, const palp_model *model, cons
 }
 
 /* The whole mesh with the stiffness of the regions, whose neighbours may be in other parts. */
-static palp_status scale_whole(const palp_mesh *mesh, const palp_material *material,
-                               palp_network_settings *s, palp_mesh **scaled, palp_error *error) {
+static palp_status scale_whole(const palp_mesh *mesh, const palp_material *material, palp_network_settings *s,
+                               palp_mesh **scaled, palp_error *error) {
     palp_status status = mesh_copy(mesh, scaled);
     if (!status)
         status = network_scale_mesh(*scaled, material, s, error);

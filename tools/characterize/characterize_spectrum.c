@@ -24,8 +24,8 @@ static double modulus(const palp_recording *r, double stiffness_N_m) {
 
 /* Storage and loss of the model about a depth. */
 static palp_status model_spectrum(const characterize_state *s, const palp_material *m, double depth_m,
-                                        size_t n, const double *frequency_Hz, double *storage_N_m,
-                                        double *loss_N_m) {
+                                  size_t n, const double *frequency_Hz, double *storage_N_m,
+                                  double *loss_N_m) {
     double height = s->run[0].height_m;
     return palp_lumped_oscillation(m, height, depth_m / height, n, frequency_Hz, storage_N_m, loss_N_m);
 }
@@ -137,8 +137,7 @@ static int write_model(FILE *to, const characterize_state *s) {
     size_t n = 1 + (size_t)ceil(10 * log10(high / low));
     for (size_t k = 0; k < n; k++) {
         double storage, loss, frequency = low * pow(10, (double)k / 10);
-        palp_status status =
-            model_spectrum(s, &s->material, depth, 1, &frequency, &storage, &loss);
+        palp_status status = model_spectrum(s, &s->material, depth, 1, &frequency, &storage, &loss);
         if (status)
             return cli_status_of(NAME, "the model's spectrum", status, NULL);
         fprintf(to, "model,%.9g,%.9g,%.9g,,,%.9g,,", frequency, 1e3 * depth, storage, loss);
