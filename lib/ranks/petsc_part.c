@@ -110,12 +110,13 @@ static const char *unsupported_region(const palp_network_settings *s, bool tools
 /* Names the first feature that is not supported. */
 static palp_status refuse_unsupported(const palp_model *model, const palp_network_settings *s, bool tools,
                                       palp_error *error) {
-    char what[96] = "";
+    char what[PALP_REGION_NAME_MAX + 48] = "";
     const char *region = unsupported_region(s, tools);
     if (model->n_effects > 0)
         snprintf(what, sizeof what, "the effect %s", palp_effect_look_up(model->effects[0].id)->id);
     else if (region)
-        snprintf(what, sizeof what, "the region \"%s\"%s", region, tools ? " under a tool" : "");
+        snprintf(what, sizeof what, "the region \"%.*s\"%s", PALP_REGION_NAME_MAX - 1, region,
+                 tools ? " under a tool" : "");
     else if (model->density_kg_m3 > 0.0 || s->density_kg_m3 > 0.0)
         snprintf(what, sizeof what, "a density");
     else if (model->volume_modulus_Pa > 0.0 || s->volume_modulus_Pa > 0.0)
