@@ -22,10 +22,16 @@ def mujoco_press(scene, result):
     return force
 
 
-def newton_press(scene, result, steps=200, iterations=40):
-    """The sum over the plate's nodes of the forces of Newton's own law, taken at the end of a step of VBD."""
-    import numpy as np
-    import newton
+def newton_scene(path):
+    """The script as a module."""
+    spec = importlib.util.spec_from_file_location("scene", path)
+    scene = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(scene)
+    return scene
+
+
+def newton_forces(model, scene, now, before, dt):
+    """The nodes' forces by Newton's own law, at the end of a step of VBD that began at these places."""
     import warp as wp
     from newton._src.solvers.vbd import particle_vbd_kernels as kernels
 
@@ -38,9 +44,17 @@ def newton_press(scene, result, steps=200, iterations=40):
                 t, c, before, pos, tets, pose[t], material[t, 0], material[t, 1], material[t, 2], dt)
             wp.atomic_add(force, tets[t, c], f)
 
-    spec = importlib.util.spec_from_file_location("scene", scene)
-    s = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(s)
+    force = wp.zeros(len(scene.VERTICES), dtype=wp.vec3)
+    wp.launch(forces, dim=len(scene.TETRAHEDRA),
+              inputs=[now.particle_q, before, model.tet_indices, model.tet_poses, model.tet_materials, dt, force])
+    return force.numpy()
+
+
+def newton_press(scene, result, steps=200, iterations=40):
+    """The sum of these forces over the plate's nodes."""
+    import newton
+    import warp as wp
+    s = newton_scene(scene)
     model = s.build()
     solver = newton.solvers.SolverVBD(model, iterations=iterations)
     now, then, control = model.state(), model.state(), model.control()
@@ -55,10 +69,7 @@ def newton_press(scene, result, steps=200, iterations=40):
         solver.step(now, then, control, None, dt)
         now, then = then, now
         if k in (steps, 3 * steps):
-            force = wp.zeros(len(s.VERTICES), dtype=wp.vec3)
-            wp.launch(forces, dim=len(s.TETRAHEDRA),
-                      inputs=[now.particle_q, before, model.tet_indices, model.tet_poses, model.tet_materials, dt, force])
-            found.append(float(force.numpy()[s.TOP, 1].sum()))
+            found.append(float(newton_forces(model, s, now, before, dt)[s.TOP, 1].sum()))
     return found
 
 

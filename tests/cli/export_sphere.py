@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """export_sphere.py TARGET SCENE RADIUS_MM DEPTH_MM: takes the plate off a scene of palpate export and presses a smooth rigid sphere into the
-middle of the top, in CalculiX or MuJoCo. Prints its force in N, after a rest."""
+middle of the top, in CalculiX, MuJoCo or Newton. Prints its force in N, after a rest."""
 import math
 import os
 import subprocess
@@ -108,9 +108,47 @@ def mujoco_press(scene, radius, depth):
     return -data.qfrc_constraint[slide]
 
 
+def newton_press(scene, radius, depth, steps=400, iterations=100):
+    """Nodes of the plate become free; the sphere is a shape of the world that moves down. Its force is what the floor's nodes bear."""
+    import newton
+    import numpy as np
+    import warp as wp
+    import export_run
+    s = export_run.newton_scene(scene)
+    top, middle = s.VERTICES[s.TOP[0], 1], s.VERTICES[s.TOP].mean(axis=0)
+    s.TOP = s.TOP[:0]
+
+    class WithSphere(newton.ModelBuilder):
+        def finalize(self):
+            self.add_shape_sphere(-1, radius=radius - self.particle_radius[0])
+            return super().finalize()
+
+    s.newton.ModelBuilder = WithSphere
+    model = s.build()
+    model.soft_contact_ke, model.soft_contact_kd, model.soft_contact_mu = 1e4, 0.0, 0.0
+    solver = newton.solvers.SolverVBD(model, iterations=iterations)
+    pipeline = newton.CollisionPipeline(model)
+    contacts, control = pipeline.contacts(), model.control()
+    now, then = model.state(), model.state()
+    dt = s.RAMP / steps
+    for k in range(1, 3 * steps + 1):
+        centre = (middle[0], top + radius - depth * min(1, k / steps), middle[2])
+        model.shape_transform.assign(np.array([[*centre, 0, 0, 0, 1]], dtype=np.float32))
+        before = wp.array(now.particle_q.numpy(), dtype=wp.vec3)
+        now.clear_forces()
+        pipeline.collide(now, contacts)
+        solver.step(now, then, control, contacts, dt)
+        now, then = then, now
+    away = np.linalg.norm(now.particle_q.numpy() - centre, axis=1)
+    print("penetration %.3g mm" % (1e3 * (radius - away.min())), file=sys.stderr)
+    return -float(export_run.newton_forces(model, s, now, before, dt)[s.BOTTOM, 1].sum())
+
+
 def main():
     target, scene, radius, depth = sys.argv[1], sys.argv[2], float(sys.argv[3]), float(sys.argv[4])
-    print("%.6g" % (calculix_press(scene, radius, depth) if target == "calculix" else mujoco_press(scene, 1e-3 * radius, 1e-3 * depth)))
+    press = {"calculix": calculix_press, "mujoco": mujoco_press, "newton": newton_press}[target]
+    unit = 1 if target == "calculix" else 1e-3
+    print("%.6g" % press(scene, unit * radius, unit * depth))
 
 
 if __name__ == "__main__":
