@@ -123,12 +123,12 @@ palp_status mesh_membrane_widths(const palp_mesh *mesh, const unsigned char *lis
  * into of_element[n_elements]; 0 where there is none. */
 palp_status mesh_mean_around_elements(const palp_mesh *mesh, const double *of_solid, double *of_element);
 
-/* The part of a mesh that belongs to one owner: its nodes, and the elements and tetrahedra whose first node
- * is one of these, with all their nodes; no regions and hexahedra. With surface, all triangles with their
- * nodes. Nodes and elements stay in order; (*node)[part's n_nodes] and (*element)[part's n_elements] are
+/* The part of a mesh that belongs to one owner: its nodes, and the elements and solids (mesh_solids) whose
+ * first node is one of these, with all their nodes; no regions. With surface, all triangles with their nodes.
+ * All stay in order. (*node)[part's n_nodes], (*element)[part's n_elements] and (*solid)[its solids] are
  * their numbers in the mesh, malloc'ed, for the caller to free. */
 palp_status mesh_part(const palp_mesh *mesh, const int32_t *owner_of_node, int32_t owner, bool surface,
-                      palp_mesh **part, int32_t **node, int32_t **element);
+                      palp_mesh **part, int32_t **node, int32_t **element, int32_t **solid);
 
 /* Does the mesh consist of hexahedra alone, with elements along all their edges and diagonals? */
 bool mesh_has_cells(const palp_mesh *mesh);

@@ -8,13 +8,18 @@ typedef struct selection {
     const palp_mesh *mesh;
     const int32_t *owner_of_node;
     int32_t owner;
-    int32_t *local; /* [n_nodes] number in the part, or -1 */
+    int32_t *local;  /* [n_nodes] number in the part, or -1 */
+    size_t per_cell; /* tetrahedra of a solid (mesh_solids) */
     size_t n_nodes, n_elements, n_tetrahedra;
 } selection;
 
-/* Is it an element or a tetrahedron of the part? */
 static bool is_in_part(const selection *s, const int32_t *node) {
     return s->owner_of_node[node[0]] == s->owner;
+}
+
+/* The six tetrahedra of a hexahedron are in one part. */
+static bool is_tetrahedron_in_part(const selection *s, size_t i) {
+    return is_in_part(s, s->mesh->tetrahedra + 4 * (i - i % s->per_cell));
 }
 
 static void mark_nodes(const selection *s, size_t n, const int32_t *node) {
@@ -32,7 +37,7 @@ static void select_part(selection *s, bool surface) {
             s->n_elements++;
         }
     for (size_t i = 0; i < m->n_tetrahedra; i++)
-        if (is_in_part(s, m->tetrahedra + 4 * i)) {
+        if (is_tetrahedron_in_part(s, i)) {
             mark_nodes(s, 4, m->tetrahedra + 4 * i);
             s->n_tetrahedra++;
         }
@@ -75,16 +80,27 @@ static void fill_elements(const selection *s, palp_mesh *p, int32_t *element, in
             p->order[n++] = (size_t)number[m->order[i]];
 }
 
-static palp_status fill_cells(const selection *s, palp_mesh *p, bool surface) {
+static palp_status fill_solids(const selection *s, palp_mesh *p, bool surface, int32_t *solid) {
     const palp_mesh *m = s->mesh;
+    const bool cells = s->per_cell > 1;
+    size_t n = 0;
     p->tetrahedra = arena_take(&p->memory, 4 * s->n_tetrahedra, sizeof *p->tetrahedra);
+    if (cells)
+        p->hexahedra = arena_take(&p->memory, 8 * s->n_tetrahedra / s->per_cell, sizeof *p->hexahedra);
     if (surface)
         p->triangles = arena_take(&p->memory, 3 * m->n_triangles, sizeof *p->triangles);
     if (p->memory.failed)
         return PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < m->n_tetrahedra; i++)
-        if (is_in_part(s, m->tetrahedra + 4 * i))
-            renumber(s, 4, m->tetrahedra + 4 * i, p->tetrahedra + 4 * p->n_tetrahedra++);
+    for (size_t i = 0; i < m->n_tetrahedra; i++) {
+        if (!is_tetrahedron_in_part(s, i))
+            continue;
+        renumber(s, 4, m->tetrahedra + 4 * i, p->tetrahedra + 4 * p->n_tetrahedra++);
+        if (i % s->per_cell == 0)
+            solid[n++] = (int32_t)(i / s->per_cell);
+    }
+    p->n_hexahedra = cells ? n : 0;
+    for (size_t i = 0; i < p->n_hexahedra; i++)
+        renumber(s, 8, m->hexahedra + 8 * (size_t)solid[i], p->hexahedra + 8 * i);
     if (surface) {
         renumber(s, 3 * m->n_triangles, m->triangles, p->triangles);
         p->n_triangles = m->n_triangles;
@@ -106,15 +122,15 @@ static palp_status fill_sets(const selection *s, palp_mesh *p, int32_t *room) {
     return status;
 }
 
-static palp_status fill_part(const selection *s, palp_mesh *p, bool surface, int32_t *node,
-                             int32_t *element) {
+static palp_status fill_part(const selection *s, palp_mesh *p, bool surface, int32_t *node, int32_t *element,
+                             int32_t *solid) {
     const palp_mesh *m = s->mesh;
     if (m->scale)
         p->scale = arena_take(&p->memory, s->n_elements, sizeof *p->scale);
     if (m->order)
         p->order = arena_take(&p->memory, s->n_elements, sizeof *p->order);
     int32_t *number = malloc((m->n_elements + 1) * sizeof *number);
-    palp_status status = number && !p->memory.failed ? fill_cells(s, p, surface) : PALP_ERR_NO_MEMORY;
+    palp_status status = number && !p->memory.failed ? fill_solids(s, p, surface, solid) : PALP_ERR_NO_MEMORY;
     if (!status)
         status = fill_sets(s, p, node); /* node is filled below */
     if (!status) {
@@ -126,8 +142,11 @@ static palp_status fill_part(const selection *s, palp_mesh *p, bool surface, int
 }
 
 palp_status mesh_part(const palp_mesh *mesh, const int32_t *owner_of_node, int32_t owner, bool surface,
-                      palp_mesh **part, int32_t **node, int32_t **element) {
-    selection s = {.mesh = mesh, .owner_of_node = owner_of_node, .owner = owner};
+                      palp_mesh **part, int32_t **node, int32_t **element, int32_t **solid) {
+    selection s = {.mesh = mesh,
+                   .owner_of_node = owner_of_node,
+                   .owner = owner,
+                   .per_cell = mesh_is_all_hexahedra(mesh) ? 6 : 1};
     palp_mesh *p = NULL;
     if (mesh->n_elements > INT32_MAX)
         return PALP_ERR_LIMIT;
@@ -137,15 +156,18 @@ palp_status mesh_part(const palp_mesh *mesh, const int32_t *owner_of_node, int32
     select_part(&s, surface);
     *node = malloc((s.n_nodes + 1) * sizeof **node);
     *element = malloc((s.n_elements + 1) * sizeof **element);
-    palp_status status = *node && *element ? mesh_new(s.n_nodes, s.n_elements, &p) : PALP_ERR_NO_MEMORY;
+    *solid = malloc((s.n_tetrahedra / s.per_cell + 1) * sizeof **solid);
+    palp_status status =
+        *node && *element && *solid ? mesh_new(s.n_nodes, s.n_elements, &p) : PALP_ERR_NO_MEMORY;
     if (!status)
-        status = fill_part(&s, p, surface, *node, *element);
+        status = fill_part(&s, p, surface, *node, *element, *solid);
     free(s.local);
     if (status) {
         free(*node);
         free(*element);
+        free(*solid);
         palp_mesh_free(p);
-        *node = *element = NULL;
+        *node = *element = *solid = NULL;
     } else
         *part = p;
     return status;

@@ -21,7 +21,7 @@ palp_network_settings palp_network_settings_default(void) {
                                    .check_strain = 5e-3};
 }
 
-static void take_settings_of_model(const palp_model *model, palp_network_settings *s) {
+void network_take_settings(const palp_model *model, palp_network_settings *s) {
     s->density_kg_m3 = model->density_kg_m3;
     s->volume_modulus_Pa = model->volume_modulus_Pa;
     s->poisson_ratio = model->poisson_ratio;
@@ -32,7 +32,7 @@ static void take_settings_of_model(const palp_model *model, palp_network_setting
 palp_network_settings palp_network_settings_of_model(const palp_model *model) {
     palp_network_settings s = palp_network_settings_default();
     if (model)
-        take_settings_of_model(model, &s);
+        network_take_settings(model, &s);
     return s;
 }
 
@@ -73,7 +73,7 @@ static palp_status allocate_network_arrays(palp_network *net) {
     net->scratch = arena_take(&net->memory, 2 * m, sizeof *net->scratch);
     if (net->settings.density_kg_m3 > 0.0)
         net->mass = arena_take(&net->memory, net->n_nodes, sizeof *net->mass);
-    if (palp_mesh_element_scale(net->mesh) || net->n_regions > 0)
+    if (palp_mesh_element_scale(net->mesh) || net->n_regions > 0 || (net->ranks && net->ranks->element_scale))
         net->scale = arena_take(&net->memory, m, sizeof *net->scale);
     net->dof = arena_take(&net->memory, n3, sizeof *net->dof);
     net->slot = net->ranks ? NULL : arena_take(&net->memory, 9 * m, sizeof *net->slot);
@@ -162,6 +162,7 @@ static void measure_rest_lengths(palp_network *net) {
 
 static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *mesh, size_t n_supports,
                                            const palp_support *supports, palp_error *error) {
+    const bool volume = net->ranks ? net->ranks->volume : network_wants_volume(&net->settings);
     palp_status status = mesh_copy(mesh, &net->mesh);
     if (status)
         return status;
@@ -193,9 +194,6 @@ static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *m
     palp_network_reset(net);
     if (net->mass)
         status = network_add_terms(net, 1, (network_term *[]){network_inertia_new(net)});
-    bool volume = net->settings.volume_modulus_Pa > 0.0 || net->settings.poisson_ratio > 0.0;
-    for (size_t r = 0; r < net->n_regions; r++)
-        volume = volume || net->region[r].given.poisson_ratio > 0.0;
     if (!status && volume)
         status = network_add_volume(net);
     if (!status)
@@ -399,7 +397,7 @@ palp_status palp_network_from_model(const palp_model *model, const palp_mesh *me
     if (status)
         return status;
     palp_supports_default(usual);
-    take_settings_of_model(model, &own);
+    network_take_settings(model, &own);
     status = palp_network_create(mesh ? mesh : made, &model->material, supports ? n_supports : 2,
                                  supports ? supports : usual, &own, network, error);
     palp_mesh_free(made);

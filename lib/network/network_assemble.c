@@ -31,10 +31,41 @@ bool network_evaluate_blocks(palp_network *net, const network_blocks *blocks) {
     return isfinite(net->force_squares);
 }
 
+/* Those that add up over parts, or the others. */
+static void evaluate_terms(palp_network *net, bool add_up) {
+    for (size_t i = 0; i < net->n_terms; i++) {
+        const network_term_kind *kind = net->terms[i]->kind;
+        if (kind->evaluate && kind->adds_up == add_up)
+            kind->evaluate(net->terms[i], net);
+    }
+}
+
 void network_evaluate_terms(palp_network *net) {
     memset(net->outer, 0, 3 * net->n_nodes * sizeof *net->outer);
     net->outer_squares = 0.0;
-    NETWORK_EACH_TERM(net, evaluate, net);
+    evaluate_terms(net, true);
+    if (net->ranks && net->ranks->volume) {
+        net->ranks->complete(net->ranks, 3, net->outer);
+        net->outer_squares = network_sum_of_parts(net, net->outer_squares);
+    }
+    evaluate_terms(net, false);
+}
+
+static void add_products(const palp_network *net, bool add_up, const double *u, double *out) {
+    for (size_t i = 0; i < net->n_terms; i++) {
+        const network_term_kind *kind = net->terms[i]->kind;
+        if (kind->times && kind->adds_up == add_up)
+            kind->times(net->terms[i], net, u, out);
+    }
+}
+
+/* out = the terms' blocks times u, of all parts. */
+static void multiply_terms(const palp_network *net, const double *u, double *out) {
+    memset(out, 0, 3 * net->n_nodes * sizeof *out);
+    add_products(net, true, u, out);
+    if (net->ranks && net->ranks->volume)
+        net->ranks->complete(net->ranks, 3, out);
+    add_products(net, false, u, out);
 }
 
 double network_shared_length(const palp_network *net) {
@@ -215,8 +246,7 @@ void network_drive_column(palp_network *net, double *column) {
     double *pull = net->unbalanced;
     if (net->ranks)
         complete_unknowns(net, column);
-    memset(pull, 0, 3 * net->n_nodes * sizeof *pull);
-    NETWORK_EACH_TERM(net, times, net, net->motion, pull);
+    multiply_terms(net, net->motion, pull);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0)
             column[net->dof[i]] -= pull[i];
@@ -262,8 +292,7 @@ static double curvature_of_terms_along(const palp_network *net, const double *u)
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (net->dof[i] >= 0 && network_owns(net, i / 3))
             sum += net->diagonal[i] * u[i] * u[i];
-    memset(pull, 0, 3 * net->n_nodes * sizeof *pull);
-    NETWORK_EACH_TERM(net, times, net, u, pull);
+    multiply_terms(net, u, pull);
     for (size_t i = 0; i < 3 * net->n_nodes; i++)
         if (network_owns(net, i / 3))
             sum += pull[i] * u[i];

@@ -183,7 +183,7 @@ static palp_status list_bundles(fibres *t, const palp_network *net, const int32_
             memcpy(b->node, node + t->corners * i, t->corners * sizeof *node);
             b->rest_m3 = volume[i];
             if (!(volume[i] > 0.0) || !find_weights(net->rest, t->corners, a, b) ||
-                !network_is_solid_joined(net, t->corners, b->node))
+                !network_is_solid_joined(net->mesh, t->corners, b->node))
                 return PALP_ERR_UNSUPPORTED;
         }
     }

@@ -203,10 +203,12 @@ bool network_may_have_material(const palp_network *net, const palp_material *mat
 /* Sets scale, where there is one, and the shares of materials. */
 palp_status network_scale_elements(palp_network *net);
 
-/* Multiplies the scale of the mesh's elements by what the settings' regions, which all only are stiffer, make
- * of their forces. Errors as network_take_regions. */
-palp_status network_scale_mesh(palp_mesh *mesh, const palp_material *material,
-                               const palp_network_settings *settings, palp_error *error);
+/* For the parts of a network whose regions have no material of their own: each element's force over that
+ * without regions, element[n_elements], and network_volume_share times each solid's stiffness over that
+ * without regions, solid[mesh_solids]. Errors as network_take_regions. */
+palp_status network_scales_of_regions(const palp_mesh *mesh, const palp_material *material,
+                                      const palp_network_settings *settings, double *element, double *solid,
+                                      palp_error *error);
 
 /* Gives a region that only is stiffer another place, part[n_tetrahedra], and stiffness; resets the network.
  * Compliance of contacts that was derived before stays. */
@@ -318,6 +320,15 @@ double network_drive_force(const palp_network *net);
  * that material's force changes the reaction by sum weight dforce_e/dp (adjoint of the equilibrium). */
 palp_status network_weights(palp_network *net, double *weight, double *stiffness);
 
+/* ---- network_solid.c ---- */
+
+/* Do solids resist a change of volume? */
+bool network_wants_volume(const palp_network_settings *settings);
+
+/* Volume modulus of a solid with this Poisson's ratio (0 = that of the settings), over the settings' volume
+ * modulus; if these have none, over Young's modulus of the springs. */
+double network_volume_share(const palp_network_settings *settings, double ratio);
+
 /* ---- network_newton.c ---- */
 
 /* Solves for equilibrium from next.x, along the branch that the settings ask for. */
@@ -352,6 +363,9 @@ bool network_extrapolate(palp_network *net, double depth, double time, bool curv
 
 /* ---- network.c ---- */
 
+/* What a model says about these settings. */
+void network_take_settings(const palp_model *model, palp_network_settings *settings);
+
 /* Gives the springs damage and resets the network. *damage belongs to the caller and must stay. */
 palp_status network_set_damage(palp_network *net, const element_damage *damage);
 
@@ -376,7 +390,7 @@ palp_status network_add_volume(palp_network *net);
 bool network_has_volume(const palp_network *net);
 
 /* Is there an element between any two corners of a solid, and is none of them cut? */
-bool network_is_solid_joined(const palp_network *net, size_t corners, const int32_t *node);
+bool network_is_solid_joined(const palp_mesh *mesh, size_t corners, const int32_t *node);
 bool network_is_solid_whole(const palp_network *net, size_t corners, const int32_t *node);
 
 /* Fibres of the regions that have some (network_fibre.c). ERR_UNSUPPORTED as network_add_volume. */

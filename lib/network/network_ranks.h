@@ -1,7 +1,7 @@
 /* network_ranks.h: what a network that is one part of a larger one asks of the processes with the other
  * parts. Internal. All processes make the same calls in the same order. A node on the border of parts is in
- * several of them; each element is in one. Terms are the same in all parts and must see all nodes on which
- * they act. */
+ * several of them; each element and solid is in one. Terms are the same in all parts and must see all nodes
+ * on which they act, unless their kind adds up. */
 #ifndef NETWORK_RANKS_H
 #define NETWORK_RANKS_H
 
@@ -12,6 +12,11 @@ typedef struct network_ranks network_ranks;
 struct network_ranks {
     int rank, count;          /* this process of so many */
     const unsigned char *own; /* [n_nodes] nonzero: the node counts here, in no other part */
+
+    /* What depends on solids and regions of the whole: */
+    bool volume;                               /* solids resist a change of volume */
+    bool joined;                               /* there is an element between any two corners of each solid */
+    const double *element_scale, *solid_scale; /* as network_scales_of_regions, of this part; or NULL */
 
     /* Adds up values[components n_nodes] of each node over the parts that have it; components: 1 or 3. */
     void (*complete)(network_ranks *ranks, size_t components, double *values);

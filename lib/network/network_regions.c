@@ -274,9 +274,10 @@ static palp_status add_membrane(palp_network *net, network_region *region) {
 
 palp_status network_scale_elements(palp_network *net) {
     const double *scale = palp_mesh_element_scale(net->mesh);
+    const double *regions = net->ranks ? net->ranks->element_scale : net->n_regions > 0 ? net->scale : NULL;
     palp_status status = net->n_regions > 0 ? find_shares(net, net->scale) : PALP_OK;
-    for (size_t i = 0; i < net->n_elements && scale && !status; i++)
-        net->scale[i] = scale[i] * (net->n_regions > 0 ? net->scale[i] : 1.0);
+    for (size_t i = 0; i < net->n_elements && net->scale && !status; i++)
+        net->scale[i] = (scale ? scale[i] : 1.0) * (regions ? regions[i] : 1.0);
     for (size_t r = 0; r < net->n_regions && !status; r++)
         if (net->region[r].given.shape == PALP_REGION_MEMBRANE)
             status = add_membrane(net, &net->region[r]);
@@ -285,25 +286,27 @@ palp_status network_scale_elements(palp_network *net) {
     return status;
 }
 
-palp_status network_scale_mesh(palp_mesh *mesh, const palp_material *material,
-                               const palp_network_settings *settings, palp_error *error) {
-    palp_network net = {.mesh = mesh,
+palp_status network_scales_of_regions(const palp_mesh *mesh, const palp_material *material,
+                                      const palp_network_settings *settings, double *element, double *solid,
+                                      palp_error *error) {
+    palp_network net = {.mesh = (palp_mesh *)mesh, /* only read */
                         .n_nodes = mesh->n_nodes,
                         .n_elements = mesh->n_elements,
                         .material = *material,
                         .settings = *settings};
-    double *factor = arena_take(&net.memory, net.n_elements, sizeof *factor);
-    palp_status status = factor ? network_take_regions(&net, error) : PALP_ERR_NO_MEMORY;
+    size_t corners;
+    const int32_t *node;
+    double share[PALP_REGIONS_MAX + 1];
+    palp_status status = network_take_regions(&net, error);
     if (!status)
-        status = find_shares(&net, factor);
-    if (!status && !mesh->scale) {
-        mesh->scale = arena_take(&mesh->memory, net.n_elements, sizeof *mesh->scale);
-        status = mesh->scale ? PALP_OK : PALP_ERR_NO_MEMORY;
-        for (size_t i = 0; i < net.n_elements && !status; i++)
-            mesh->scale[i] = 1.0;
+        status = find_shares(&net, element);
+    if (!status) {
+        for (size_t r = 0; r < net.n_regions; r++)
+            share[r] = net.region[r].given.stiffness *
+                       network_volume_share(settings, net.region[r].given.poisson_ratio);
+        share[net.n_regions] = network_volume_share(settings, 0.0);
+        network_mean_of_solids(&net, share, mesh_solids(mesh, &corners, &node), 1, solid);
     }
-    for (size_t i = 0; i < net.n_elements && !status; i++)
-        mesh->scale[i] *= factor[i];
     arena_free(&net.memory);
     return status;
 }

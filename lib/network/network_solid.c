@@ -1,5 +1,6 @@
-/* network_solid.c: the law of elements with which a mesh, evenly pressed, is a neo-Hookean solid. Springs of
- * one stiffness get softer where that gets stiffer (doc/numerics.md). */
+/* network_solid.c: what makes a network an isotropic solid: the volume modulus for Poisson's ratio, and the
+ * law of elements with which a mesh, evenly pressed, is neo-Hookean. Springs of one stiffness get softer
+ * where that gets stiffer (doc/numerics.md). */
 #include "mesh/mesh_internal.h"
 #include "network_internal.h"
 
@@ -126,4 +127,20 @@ palp_status palp_law_of_solid(const palp_mesh *mesh, double poisson_ratio, doubl
     const double rest = 0.5 * young_Pa / (1.0 + poisson_ratio) / shear;
     palp_status status = palp_law_polynomial(3, (double[]){rest, rest * press.c[0], rest * press.c[1]}, law);
     return status ? status : palp_law_limit(law, STRAIGHT);
+}
+
+/* A network of central springs has lambda = mu = 2/5 E, E its Young's modulus. What the volume adds to lambda
+ * makes Poisson's ratio lambda / (2 (lambda + mu)) the wanted one. */
+double network_volume_share(const palp_network_settings *s, double ratio) {
+    const double wanted = ratio > 0.0 ? ratio : s->poisson_ratio;
+    return s->volume_modulus_Pa > 0.0 ? 1.0
+           : wanted > 0.0             ? 0.4 * (4.0 * wanted - 1.0) / (1.0 - 2.0 * wanted)
+                                      : 0.0;
+}
+
+bool network_wants_volume(const palp_network_settings *s) {
+    bool wants = s->volume_modulus_Pa > 0.0 || s->poisson_ratio > 0.0;
+    for (size_t r = 0; r < s->n_regions; r++)
+        wants = wants || s->regions[r].poisson_ratio > 0.0;
+    return wants;
 }

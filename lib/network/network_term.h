@@ -82,6 +82,7 @@ typedef struct network_term_kind {
      * a node or an element. Their sum is positive semidefinite, or nearly, and at most spread times the
      * blocks on nodes. */
     double spread;
+    bool adds_up; /* in a network in parts each part has other solids; other terms are the same in all */
     void (*blocks_part)(const network_term *term, const palp_network *net, size_t part, size_t parts,
                         network_block_taker take, void *user);
 

@@ -29,7 +29,7 @@ typedef struct volume {
     network_term term;
     double modulus;    /* k of the network's own material, Pa */
     double *all_k, *k; /* [n_all] and, of those in use, [n_all + BATCH] that of each solid; 0 behind n */
-    double volume_m3, length_m; /* of the body and network_shared_length, both whole */
+    double volume_m3, length_m; /* of the body and network_shared_length, both whole and of all parts */
     size_t corners, modes;      /* of a solid: 8 and 6, or 4 and 3 */
     size_t n_all, n, changes; /* solids; those without a cut element; surface_changes when they were found */
     int32_t *all, *node;      /* [corners n_all] and, of those in use, [corners (n_all + BATCH)] */
@@ -146,10 +146,15 @@ INLINE void subtract_on_corners(size_t corners, const int32_t *node, const lanes
 
 /* ---- the term ------------------------------------------------------------------------------------ */
 
+/* Elements of other parts are not cut. */
+static bool is_whole(const palp_network *net, size_t element) {
+    return element == net->n_elements || net->scale[element] > 0.0;
+}
+
 bool network_is_solid_whole(const palp_network *net, size_t corners, const int32_t *node) {
     for (size_t a = 0; a < corners && net->scale; a++)
         for (size_t b = 0; b < a; b++)
-            if (!(net->scale[palp_mesh_element_between(net->mesh, node[a], node[b])] > 0.0))
+            if (!is_whole(net, palp_mesh_element_between(net->mesh, node[a], node[b])))
                 return false;
     return true;
 }
@@ -322,29 +327,31 @@ static void take_volume_blocks(const network_term *term, const palp_network *net
     take_part_of_volume_blocks(term, net, 0, 1, take, user);
 }
 
-/* A network of central springs has lambda = mu = 2/5 E, E its Young's modulus. What the volume adds to lambda
- * makes Poisson's ratio lambda / (2 (lambda + mu)) the wanted one. stiffness: of the springs at rest. */
-static double modulus_of_ratio(const volume *t, double ratio, double stiffness) {
-    return 0.4 * (4.0 * ratio - 1.0) / (1.0 - 2.0 * ratio) * stiffness * t->length_m / (6.0 * t->volume_m3);
+/* stiffness: of the springs at rest. */
+static double modulus_of_share(const volume *t, const palp_network_settings *s, double share,
+                               double stiffness) {
+    return s->volume_modulus_Pa > 0.0 ? share * s->volume_modulus_Pa
+                                      : share * stiffness * t->length_m / (6.0 * t->volume_m3);
 }
 
 static void derive_volume_modulus(network_term *term, palp_network *net) {
     volume *t = (volume *)term;
     const size_t per_solid = t->corners == 4 && mesh_is_all_hexahedra(net->mesh) ? 6 : 1;
-    const double ratio = net->settings.poisson_ratio;
+    const double *scale = net->ranks ? net->ranks->solid_scale : NULL;
+    const palp_network_settings *s = &net->settings;
     double stiffness[PALP_REGIONS_MAX + 1], k[PALP_REGIONS_MAX + 1];
     network_stiffnesses(net, 0.0, false, stiffness);
-    if (!(net->settings.volume_modulus_Pa > 0.0))
-        t->modulus = ratio > 0.0 ? modulus_of_ratio(t, ratio, stiffness[0]) : 0.0;
+    t->modulus = modulus_of_share(t, s, network_volume_share(s, 0.0), stiffness[0]);
     for (size_t r = 0; r < net->n_regions; r++) {
         const palp_region *given = &net->region[r].given;
         const double rest = net->region[r].share ? stiffness[r + 1] : given->stiffness * stiffness[0];
-        k[r] = given->poisson_ratio > 0.0 ? modulus_of_ratio(t, given->poisson_ratio, rest)
-                                          : t->modulus * rest / stiffness[0];
+        k[r] = given->poisson_ratio > 0.0
+                   ? modulus_of_share(t, s, network_volume_share(s, given->poisson_ratio), rest)
+                   : t->modulus * rest / stiffness[0];
     }
     k[net->n_regions] = t->modulus;
     for (size_t i = 0; i < t->n_all; i++)
-        t->all_k[i] = t->modulus;
+        t->all_k[i] = scale ? modulus_of_share(t, s, scale[i / per_solid], stiffness[0]) : t->modulus;
     if (net->n_regions > 0)
         network_mean_of_solids(net, k, t->n_all, per_solid, t->all_k);
     find_whole_solids(t, net);
@@ -354,7 +361,7 @@ static void derive_volume_modulus(network_term *term, palp_network *net) {
     {                                                                                                        \
         .reset = derive_volume_modulus, .evaluate = evaluate_volume_forces, .blocks = take_volume_blocks,    \
         .times = multiply_volume_tangent, .energy = add_volume_energy, .spread = (corners),                  \
-        .blocks_part = take_part_of_volume_blocks                                                            \
+        .blocks_part = take_part_of_volume_blocks, .adds_up = true                                           \
     }
 static const network_term_kind TETRAHEDRA = VOLUME_OF(4), CELLS = VOLUME_OF(CORNERS);
 
@@ -381,10 +388,10 @@ double palp_network_volume_solids(const palp_network *net, size_t *n, size_t *co
 
 /* ---- making it ----------------------------------------------------------------------------------- */
 
-bool network_is_solid_joined(const palp_network *net, size_t corners, const int32_t *node) {
+bool network_is_solid_joined(const palp_mesh *mesh, size_t corners, const int32_t *node) {
     for (size_t a = 0; a < corners; a++)
         for (size_t b = 0; b < a; b++)
-            if (palp_mesh_element_between(net->mesh, node[a], node[b]) >= net->n_elements)
+            if (palp_mesh_element_between(mesh, node[a], node[b]) >= mesh->n_elements)
                 return false;
     return true;
 }
@@ -434,7 +441,7 @@ static palp_status list_solids(volume *t, const palp_network *net) {
                 node[c] = given[cells ? gmsh_corner[turned ? c ^ 1 : c] : c];
             t->all_rest[i] = solid_volume(t, node, net->rest);
         }
-        if (!(t->all_rest[i] > 0.0) || !network_is_solid_joined(net, t->corners, node))
+        if (!(t->all_rest[i] > 0.0) || !(net->ranks || network_is_solid_joined(net->mesh, t->corners, node)))
             return PALP_ERR_UNSUPPORTED;
     }
     return PALP_OK;
@@ -453,20 +460,22 @@ static palp_status allocate_solids(volume *t, size_t n) {
 }
 
 palp_status network_add_volume(palp_network *net) {
-    const bool cells = net->settings.volume_modulus_Pa == 0.0 && mesh_has_cells(net->mesh);
+    const bool cells = net->settings.volume_modulus_Pa == 0.0 &&
+                       (net->ranks ? mesh_is_all_hexahedra(net->mesh) : mesh_has_cells(net->mesh));
     volume *t = network_term_new(cells ? &CELLS : &TETRAHEDRA, sizeof *t);
     if (!t)
         return PALP_ERR_NO_MEMORY;
-    t->modulus = net->settings.volume_modulus_Pa;
-    t->volume_m3 = mesh_volume(net->mesh, NULL);
-    t->length_m = network_shared_length(net);
+    t->volume_m3 = network_sum_of_parts(net, mesh_volume(net->mesh, NULL));
+    t->length_m = network_sum_of_parts(net, network_shared_length(net));
     t->corners = cells ? CORNERS : 4;
     t->modes = cells ? MODES : 3;
     t->n_all = cells ? net->mesh->n_hexahedra : net->mesh->n_tetrahedra;
     set_up_modes(t);
-    palp_status status = t->n_all > 0 ? allocate_solids(t, t->n_all) : PALP_ERR_UNSUPPORTED;
+    const bool joined = net->ranks ? net->ranks->joined : t->n_all > 0;
+    palp_status status = joined ? allocate_solids(t, t->n_all) : PALP_ERR_UNSUPPORTED;
     if (!status)
         status = list_solids(t, net);
+    status = (palp_status)network_largest_of_parts(net, (double)status);
     if (status)
         network_term_free(&t->term);
     return status ? status : network_add_terms(net, 1, (network_term *[]){&t->term});

@@ -12,7 +12,7 @@ struct palp_ranks {
     int rank, count;
 };
 
-/* An ordered pair of nodes of the part without an element between them; a tool may need its block. */
+/* An ordered pair of nodes of the part without an element between them; a solid or tool needs its block. */
 typedef struct part_pair {
     int32_t row, column;
 } part_pair;
@@ -29,6 +29,8 @@ typedef struct part {
     PetscInt *number;    /* [n_nodes] in PETSc's order of nodes */
     int32_t *node;       /* [n_nodes] in the whole mesh */
     int32_t *element;    /* [the part's n_elements] in the whole mesh */
+    int32_t *solid;      /* [the part's solids] in the whole mesh */
+    double *by_regions;  /* [the part's n_elements and solids] the hook's scales, or NULL */
     Vec x, f, sum;       /* of the unknowns: positions, minus the residual, and sums over parts */
     Vec local;           /* [3 n_nodes] of the part, also of nodes that others own */
     VecScatter exchange; /* from x to local */

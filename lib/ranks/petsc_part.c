@@ -21,6 +21,8 @@ static void free_part(network_ranks *ranks) {
     free(p->number);
     free(p->node);
     free(p->element);
+    free(p->solid);
+    free(p->by_regions);
     free(p->value);
     free(p->pair);
     free(p->node_block);
@@ -69,13 +71,31 @@ static palp_status divide(const palp_ranks *ranks, const palp_mesh *whole, bool 
     if (!status && partition_nodes(ranks, whole, owner))
         status = PALP_ERR_NO_MEMORY;
     if (!status)
-        status = mesh_part(whole, owner, ranks->rank, surface, mesh, &p->node, &p->element);
+        status = mesh_part(whole, owner, ranks->rank, surface, mesh, &p->node, &p->element, &p->solid);
     if (!status) {
         p->n_nodes = palp_mesh_node_count(*mesh);
         status = number_part(p, ranks, n, owner);
     }
     free(owner);
     return part_agree(ranks->comm, status, NULL);
+}
+
+/* What the regions make of the part's elements and solids, from that of all of them, or NULL without
+ * regions. */
+static palp_status take_scales(part *p, const palp_mesh *whole, const palp_mesh *mesh, const double *scale) {
+    size_t corners, n = mesh->n_elements;
+    const int32_t *node;
+    const size_t n_solids = mesh_solids(mesh, &corners, &node);
+    if (!scale)
+        return PALP_OK;
+    p->by_regions = malloc((n + n_solids + 1) * sizeof *p->by_regions);
+    for (size_t i = 0; i < n && p->by_regions; i++)
+        p->by_regions[i] = scale[p->element[i]];
+    for (size_t i = 0; i < n_solids && p->by_regions; i++)
+        p->by_regions[n + i] = scale[whole->n_elements + (size_t)p->solid[i]];
+    p->hook.element_scale = p->by_regions;
+    p->hook.solid_scale = p->by_regions + n;
+    return p->by_regions ? PALP_OK : PALP_ERR_NO_MEMORY;
 }
 
 static part *new_part(const palp_ranks *ranks) {
@@ -97,11 +117,11 @@ static part *new_part(const palp_ranks *ranks) {
 
 /* ---- the public call ----------------------------------------------------------------------------- */
 
-/* The first region with more than a stiffness factor, or any under a tool; NULL = none. */
+/* The first region with a material or fibres of its own, or any under a tool; NULL = none. */
 static const char *unsupported_region(const palp_network_settings *s, bool tools) {
     for (size_t r = 0; r < s->n_regions; r++) {
         const palp_region *region = &s->regions[r];
-        if (tools || !(region->stiffness > 0.0) || region->poisson_ratio != 0.0 || region->fibre_Pa > 0.0)
+        if (tools || !(region->stiffness > 0.0) || region->fibre_Pa > 0.0)
             return region->name;
     }
     return NULL;
@@ -117,12 +137,8 @@ static palp_status refuse_unsupported(const palp_model *model, const palp_networ
     else if (region)
         snprintf(what, sizeof what, "the region \"%.*s\"%s", PALP_REGION_NAME_MAX - 1, region,
                  tools ? " under a tool" : "");
-    else if (model->density_kg_m3 > 0.0 || s->density_kg_m3 > 0.0)
+    else if (s->density_kg_m3 > 0.0)
         snprintf(what, sizeof what, "a density");
-    else if (model->volume_modulus_Pa > 0.0 || s->volume_modulus_Pa > 0.0)
-        snprintf(what, sizeof what, "a volume modulus");
-    else if (model->poisson_ratio > 0.0 || s->poisson_ratio > 0.0)
-        snprintf(what, sizeof what, "Poisson's ratio");
     else if (s->branch != PALP_BRANCH_CONTINUE)
         snprintf(what, sizeof what, "the stable branch");
     return what[0] ? palp_error_set(error, PALP_ERR_UNSUPPORTED,
@@ -130,36 +146,56 @@ static palp_status refuse_unsupported(const palp_model *model, const palp_networ
                    : PALP_OK;
 }
 
+static bool are_solids_joined(const palp_mesh *mesh) {
+    size_t corners;
+    const int32_t *node;
+    const size_t n = mesh_solids(mesh, &corners, &node);
+    bool joined = n > 0;
+    for (size_t i = 0; i < n && joined; i++)
+        joined = network_is_solid_joined(mesh, corners, node + corners * i);
+    return joined;
+}
+
+/* The same for all elements and solids of the whole mesh, whose neighbours may be in other parts; for the
+ * caller to free. */
+static palp_status find_scales(const palp_mesh *whole, const palp_material *material,
+                               const palp_network_settings *s, double **scale, palp_error *error) {
+    size_t corners;
+    const int32_t *node;
+    const size_t n = whole->n_elements + mesh_solids(whole, &corners, &node);
+    if (s->n_regions == 0)
+        return PALP_OK;
+    *scale = malloc(n * sizeof **scale);
+    return *scale ? network_scales_of_regions(whole, material, s, *scale, *scale + whole->n_elements, error)
+                  : PALP_ERR_NO_MEMORY;
+}
+
 static palp_status make_network(palp_ranks *ranks, const palp_model *model, const palp_mesh *whole,
-                                size_t n_supports, const palp_support *supports,
+                                const double *scale, size_t n_supports, const palp_support *supports,
                                 const palp_network_settings *settings, bool tools, palp_network **network,
                                 palp_error *error) {
+    palp_network_settings own = *settings;
     part *p = new_part(ranks);
     palp_mesh *mesh = NULL;
     palp_status status = part_agree(ranks->comm, p ? PALP_OK : PALP_ERR_NO_MEMORY, NULL);
     if (!status)
         status = divide(ranks, whole, tools, p, &mesh);
     if (!status)
-        status = part_agree(ranks->comm, make_vectors(p), NULL);
+        status = part_agree(ranks->comm, take_scales(p, whole, mesh, scale), NULL);
     if (!status)
-        status = network_create_part(mesh, &model->material, n_supports, supports, settings, &p->hook,
-                                     network, error);
-    else {
+        status = part_agree(ranks->comm, make_vectors(p), NULL);
+    if (!status) {
+        p->hook.volume = network_wants_volume(settings);
+        p->hook.joined = p->hook.volume && are_solids_joined(whole);
+        own.n_regions = 0;
+        status =
+            network_create_part(mesh, &model->material, n_supports, supports, &own, &p->hook, network, error);
+    } else {
         palp_error_set(error, status, "dividing the network: %s", palp_status_text(status));
         if (p)
             free_part(&p->hook);
     }
     palp_mesh_free(mesh);
-    return status;
-}
-
-/* The whole mesh with the stiffness of the regions, whose neighbours may be in other parts. */
-static palp_status scale_whole(const palp_mesh *mesh, const palp_material *material, palp_network_settings *s,
-                               palp_mesh **scaled, palp_error *error) {
-    palp_status status = mesh_copy(mesh, scaled);
-    if (!status)
-        status = network_scale_mesh(*scaled, material, s, error);
-    s->n_regions = 0;
     return status;
 }
 
@@ -171,22 +207,20 @@ palp_status palp_ranks_network(palp_ranks *ranks, const palp_model *model, const
         return palp_error_null(error);
     palp_network_settings own = settings ? *settings : palp_network_settings_default();
     palp_support usual[2];
-    palp_mesh *made = NULL, *scaled = NULL;
+    palp_mesh *made = NULL;
+    double *scale = NULL;
     palp_supports_default(usual);
-    own.n_regions = model->mesh ? model->mesh->n_regions : 0;
-    own.regions = model->mesh ? model->mesh->regions : NULL;
+    network_take_settings(model, &own);
     palp_status status = refuse_unsupported(model, &own, tools, error);
     if (!status && !mesh)
         status = part_agree(ranks->comm, palp_model_mesh(model, &made, error), error);
     const palp_mesh *whole = mesh ? mesh : made;
-    if (!status && own.n_regions > 0) {
-        status = part_agree(ranks->comm, scale_whole(whole, &model->material, &own, &scaled, error), error);
-        whole = scaled;
-    }
     if (!status)
-        status = make_network(ranks, model, whole, supports ? n_supports : 2, supports ? supports : usual,
-                              &own, tools, network, error);
-    palp_mesh_free(scaled);
+        status = part_agree(ranks->comm, find_scales(whole, &model->material, &own, &scale, error), error);
+    if (!status)
+        status = make_network(ranks, model, whole, scale, supports ? n_supports : 2,
+                              supports ? supports : usual, &own, tools, network, error);
+    free(scale);
     palp_mesh_free(made);
     return status;
 }

@@ -14,7 +14,9 @@ enum { FORMAT = 1, NUMBERS = 12, VECTOR_HEADER = 8 };
 
 /* Distinguishes networks by mesh, supports and material; the same for any number of processes. */
 static double fingerprint(const part *p, const palp_network *net) {
+    const double volume[] = {net->settings.volume_modulus_Pa, net->settings.poisson_ratio};
     uint64_t sum = network_sum_of_material(NETWORK_SUM, &net->material), nodes = 0;
+    sum = network_sum(sum, volume, sizeof volume);
     for (size_t i = 0; i < p->n_nodes; i++)
         if (p->own[i]) {
             uint64_t one = network_sum(NETWORK_SUM, &p->node[i], sizeof p->node[i]);
@@ -178,8 +180,12 @@ static PetscErrorCode write_state(pass *s, const char *path, size_t n_more, cons
     return PetscViewerDestroy(&s->file);
 }
 
+/* Are the arrays that are saved here all of its state? */
 static bool can_be_saved(const palp_network *net) {
-    return net->n_terms == 0 && !net->now.vector && !net->now.history.peak;
+    bool stateless = !net->now.vector && !net->now.history.peak;
+    for (size_t i = 0; i < net->n_terms; i++)
+        stateless = stateless && !net->terms[i]->kind->pass;
+    return stateless;
 }
 
 /* Asks the first process, which alone opens files, whether it can. Otherwise PETSc would leave the others

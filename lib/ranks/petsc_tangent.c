@@ -1,14 +1,17 @@
 /* petsc_tangent.c: the tangent of a part in PETSc's matrix. It is given as coordinates and values: 18 for
  * each element (the block of second and first node, and its transpose), 9 for each node of the part, 9 for
- * each pair that tools need. PETSc adds values at the same place, also those of other processes. */
+ * each further pair that solids or tools need. PETSc adds values at the same place, also those of other
+ * processes. */
 #include "petsc_internal.h"
+
+#include "mesh/mesh_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { OF_ELEMENT = 18, OF_NODE = 9 };
 
-/* ---- pairs that tools may join ------------------------------------------------------------------- */
+/* ---- pairs that have no element ------------------------------------------------------------------ */
 
 static int compare_pairs(const void *a, const void *b) {
     const part_pair *p = a, *q = b;
@@ -18,18 +21,41 @@ static int compare_pairs(const void *a, const void *b) {
 }
 
 /* Both orders of the corners of each triangle, for rows that this process owns. */
-static palp_status list_pairs_of_surface(part *p) {
+static void list_pairs_of_surface(part *p) {
     const palp_network *net = p->net;
-    const size_t n = net->n_terms > 0 ? net->n_surface : 0;
-    p->pair = malloc((6 * n + 1) * sizeof *p->pair);
-    if (!p->pair)
-        return PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < 9 * n; i++) {
+    for (size_t i = 0; i < 9 * net->n_surface; i++) {
         const int32_t *corner = net->surface + 3 * (i / 9);
         const part_pair pair = {corner[i % 9 / 3], corner[i % 3]};
         if (pair.row != pair.column && p->own[pair.row])
             p->pair[p->n_pairs++] = pair;
     }
+}
+
+/* Counts, and lists if asked, both orders of the corners of solids whose element is in another part. */
+static size_t list_pairs_of_solids(part *p, bool list) {
+    const palp_mesh *mesh = p->net->mesh;
+    size_t corners, n = 0;
+    const int32_t *node;
+    const size_t n_solids = p->hook.volume ? mesh_solids(mesh, &corners, &node) : 0;
+    for (size_t i = 0; i < n_solids; i++)
+        for (size_t k = 0; k < corners * corners; k++) {
+            const part_pair pair = {node[corners * i + k / corners], node[corners * i + k % corners]};
+            if (pair.row == pair.column ||
+                palp_mesh_element_between(mesh, pair.row, pair.column) < mesh->n_elements)
+                continue;
+            n++;
+            if (list)
+                p->pair[p->n_pairs++] = pair;
+        }
+    return n;
+}
+
+static palp_status list_pairs(part *p) {
+    p->pair = malloc((6 * p->net->n_surface + list_pairs_of_solids(p, false) + 1) * sizeof *p->pair);
+    if (!p->pair)
+        return PALP_ERR_NO_MEMORY;
+    list_pairs_of_surface(p);
+    list_pairs_of_solids(p, true);
     qsort(p->pair, p->n_pairs, sizeof *p->pair, compare_pairs);
     size_t kept = 0;
     for (size_t i = 0; i < p->n_pairs; i++)
@@ -100,7 +126,7 @@ static palp_status set_rigid_motions(part *p) {
 
 palp_status part_make_tangent(part *p) {
     const PetscInt own = 3 * p->n_own;
-    palp_status status = list_pairs_of_surface(p);
+    palp_status status = list_pairs(p);
     if (status)
         return status;
     TRY(MatCreate(p->comm, &p->tangent));
@@ -133,28 +159,55 @@ static void write_element_blocks(part *p) {
     }
 }
 
-/* A block between nodes of a term, which is the same in all parts. It goes into the rows that this process
- * owns. */
-static void add_pair_block(part *p, int32_t row, int32_t column, const double k[9], bool transposed) {
-    const part_pair key = {row, column};
-    const part_pair *found =
-        p->own[row] ? bsearch(&key, p->pair, p->n_pairs, sizeof key, compare_pairs) : NULL;
-    if (!found)
-        return;
-    double *value =
-        p->value + OF_ELEMENT * p->net->n_elements + OF_NODE * (p->n_nodes + (size_t)(found - p->pair));
+static void add_block(double *to, const double k[9], bool transposed) {
     for (int i = 0; i < 9; i++)
-        value[i] += k[transposed ? 3 * (i % 3) + i / 3 : i];
+        to[i] += k[transposed ? 3 * (i % 3) + i / 3 : i];
 }
 
-static void take_term_block(void *user, int32_t row, int32_t column, const double k[9]) {
+static void add_pair_block(part *p, int32_t row, int32_t column, const double k[9], bool transposed) {
+    const part_pair key = {row, column};
+    const part_pair *found = bsearch(&key, p->pair, p->n_pairs, sizeof key, compare_pairs);
+    if (found)
+        add_block(p->value + OF_ELEMENT * p->net->n_elements +
+                      OF_NODE * (p->n_nodes + (size_t)(found - p->pair)),
+                  k, transposed);
+}
+
+/* Of a term that is the same in all parts: into the rows that this process owns. */
+static void take_block_of_all(void *user, int32_t row, int32_t column, const double k[9]) {
     part *p = user;
-    for (int i = 0; i < 9 && row == column && p->own[row]; i++)
-        p->node_block[9 * row + i] += k[i];
-    if (row == column)
+    if (row == column && p->own[row])
+        add_block(p->node_block + 9 * row, k, false);
+    if (row != column && p->own[row])
+        add_pair_block(p, row, column, k, false);
+    if (row != column && p->own[column])
+        add_pair_block(p, column, row, k, true);
+}
+
+/* Of a term that adds up. */
+static void take_block_of_part(void *user, int32_t row, int32_t column, const double k[9]) {
+    part *p = user;
+    if (row == column) {
+        add_block(p->node_block + 9 * row, k, false);
         return;
+    }
+    const size_t e = palp_mesh_element_between(p->net->mesh, row, column);
+    if (e < p->net->n_elements) {
+        const bool second = p->net->pair[2 * e] == column; /* the row is the element's second node */
+        add_block(p->value + OF_ELEMENT * e, k, !second);
+        add_block(p->value + OF_ELEMENT * e + 9, k, second);
+        return;
+    }
     add_pair_block(p, row, column, k, false);
     add_pair_block(p, column, row, k, true);
+}
+
+static void add_blocks_of_terms(part *p) {
+    for (size_t i = 0; i < p->net->n_terms; i++) {
+        const network_term *term = p->net->terms[i];
+        if (term->kind->blocks)
+            term->kind->blocks(term, p->net, term->kind->adds_up ? take_block_of_part : take_block_of_all, p);
+    }
 }
 
 /* Equations of fixed axes have the diagonal of their node at rest. */
@@ -176,7 +229,7 @@ PetscErrorCode part_assemble(part *p) {
     double *pairs = p->value + OF_ELEMENT * net->n_elements + OF_NODE * net->n_nodes;
     write_element_blocks(p);
     memset(pairs, 0, OF_NODE * p->n_pairs * sizeof *pairs);
-    NETWORK_EACH_TERM(net, blocks, net, take_term_block, p);
+    add_blocks_of_terms(p);
     write_node_blocks(p);
     return MatSetValuesCOO(p->tangent, p->value, INSERT_VALUES);
 }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# ranks.sh: a network over processes is the network of one process: plate, arms, creep, sphere, files, restart.
+# ranks.sh: a network over processes is the network of one process: plate, arms, creep, sphere, volume, files, restart.
 # check: petsc
 . tests/cli/common
 command -v mpirun >/dev/null || { echo "there is no mpirun"; exit 77; }
@@ -55,6 +55,22 @@ both ball ball.json 2 --protocol ramp_hold --depth-mm 1 --hold-s 1 --dt-ms 250
 grep -q buckles ball.2.err && fail "over processes it buckles, in one it does not"
 both sedef sedef.json 2 --protocol ramp_hold --depth-mm 2 --hold-s 1 --dt-ms 250
 
+# Cells and tetrahedra that resist a change of volume, also those between parts; regions with a ratio of their own.
+sed 's/"formulation"/"poisson_ratio": 0.45, "formulation"/' arms.json >cells.json
+sed 's/"formulation"/"poisson_ratio": 0.3, "formulation"/' ball.json >ball_volume.json
+sed 's/"formulation"/"volume_modulus_Pa": 20000, "formulation"/' elastic.json >modulus.json
+sed 's/"formulation"/"poisson_ratio": 0.45, "formulation"/; s/"stiffness_factor": 3/&, "poisson_ratio": 0.3/' regions.json >ratios.json
+sed 's/"formulation"/"volume_modulus_Pa": 20000, "formulation"/' regions.json >moduli.json
+for ranks in 1 2 3; do
+    both cells cells.json $ranks --protocol ramp_hold --depth-mm 4 --hold-s 1 --dt-ms 500
+    both cells_sphere cells.json $ranks --protocol static --tip sphere --tip-radius-mm 5 --depth-mm 3 --rate-mm-s 1 --dt-ms 1000
+    both ball_volume ball_volume.json $ranks --protocol static --depth-mm 1 --rate-mm-s 1 --dt-ms 500
+    both modulus modulus.json $ranks --protocol static --depth-mm 4 --rate-mm-s 1 --dt-ms 1000
+    both ratios ratios.json $ranks --protocol static --depth-mm 3 --rate-mm-s 1 --dt-ms 1000
+done
+both moduli moduli.json 2 --protocol static --depth-mm 3 --rate-mm-s 1 --dt-ms 1000
+both cells_creep cells.json 2 --protocol creep --force-N 0.4 --hold-s 1 --dt-ms 250
+
 # Frames by parts: each element is in one part, and strains are those of one process.
 frame="--protocol static --depth-mm 2 --rate-mm-s 1 --dt-ms 1000"
 # shellcheck disable=SC2086
@@ -83,18 +99,25 @@ for ranks in 1 2 3; do
     [ "$(awk '/^SNESSolve/ { print $2 }' log)" -lt 12 ] || fail "restart made all steps: $(grep SNESSolve log)"
 done
 
+# The same with a volume, which has no state; but another ratio is another network.
+# shellcheck disable=SC2086
+"$PALPATE" simulate cells.json --ranks 2 $press --checkpoint cells.state --checkpoint-every 9 --out all.csv
+# shellcheck disable=SC2086
+"$PALPATE" simulate cells.json --ranks 3 $press --restart cells.state --out rest.csv
+same all.csv rest.csv
+
 refused() { # exit code, words, then the command
     want=$1 words=$2; shift 2
     got=0; "$PALPATE" "$@" >refused.out 2>refused.err || got=$?
     [ "$got" -eq "$want" ] && grep -q -e "$words" refused.err || fail "palpate $*: exit code $got: $(cat refused.err)"
 }
-for key in '"density_kg_m3": 1000|a density' '"volume_modulus_Pa": 1000|a volume modulus' '"poisson_ratio": 0.4|Poisson' \
+for key in '"density_kg_m3": 1000|a density' \
     '"effects": [{"id": "toe_region", "parameters": {"length_mm": 0.1}}]|the effect toe_region'; do
     sed "s/\"formulation\"/${key%|*}, \"formulation\"/" elastic.json >key.json
     refused 1 "cannot have ${key#*|}" simulate key.json --ranks 1 --protocol static --depth-mm 1
 done
 refused 1 'cannot have the region "nodule" under a tool' simulate regions.json --ranks 1 --protocol static --depth-mm 1 --tip sphere --tip-radius-mm 5
-sed 's/"stiffness_factor": 0.5/&, "poisson_ratio": 0.4/' regions.json >key.json
+sed 's/"stiffness_factor": 0.5/&, "fibre": {"direction": [1, 0, 0], "stiffness_Pa": 1000}/' regions.json >key.json
 refused 1 'cannot have the region "layer"' simulate key.json --ranks 1 --protocol static --depth-mm 1
 refused 2 "branch stable does not go" simulate elastic.json --ranks 1 --protocol static --depth-mm 1 --branch stable
 refused 2 "band does not go" simulate elastic.json --ranks 1 --protocol static --depth-mm 1 --band
@@ -106,6 +129,10 @@ refused 1 "another motion" simulate arms.json --ranks 1 --protocol ramp_hold --d
 head -c 3000 state >short
 # shellcheck disable=SC2086
 refused 1 "cut short" simulate arms.json --ranks 2 $press --restart short
+# shellcheck disable=SC2086
+refused 1 "another network" simulate arms.json --ranks 2 $press --restart cells.state
+sed 's/"scaling": "continuum"/"neighbourhood": 18/' cells.json >loose.json
+refused 1 "an element between any two corners" simulate loose.json --ranks 1 --protocol static --depth-mm 1
 # shellcheck disable=SC2086
 refused 1 "no saved state" simulate arms.json --ranks 2 $press --restart elastic.json
 # shellcheck disable=SC2086

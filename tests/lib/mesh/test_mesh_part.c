@@ -6,12 +6,12 @@
 
 enum { OWNERS = 3 };
 
-/* Each element and tetrahedron is in one part, with its nodes where they were. */
+/* Each element and solid is in one part, with its nodes where they were. */
 static void check_part(const palp_mesh *whole, const int32_t *owner, int32_t who, bool surface, int *elements,
                        size_t *tetrahedra) {
     palp_mesh *part = NULL;
-    int32_t *node = NULL, *element = NULL;
-    ck_assert_int_eq(mesh_part(whole, owner, who, surface, &part, &node, &element), PALP_OK);
+    int32_t *node = NULL, *element = NULL, *solid = NULL;
+    ck_assert_int_eq(mesh_part(whole, owner, who, surface, &part, &node, &element, &solid), PALP_OK);
     const double *scale = palp_mesh_element_scale(whole);
     size_t own = 0, wanted = 0;
     for (size_t i = 0; i < whole->n_nodes; i++)
@@ -36,6 +36,10 @@ static void check_part(const palp_mesh *whole, const int32_t *owner, int32_t who
     *tetrahedra += part->n_tetrahedra;
     for (size_t i = 0; i < part->n_tetrahedra; i++)
         ck_assert_double_gt(mesh_volume6(part->x_m, part->tetrahedra + 4 * i), 0.0);
+    ck_assert_uint_eq(6 * part->n_hexahedra, part->n_tetrahedra);
+    for (size_t i = 0; i < part->n_hexahedra; i++)
+        for (size_t c = 0; c < 8; c++)
+            ck_assert_int_eq(node[part->hexahedra[8 * i + c]], whole->hexahedra[8 * (size_t)solid[i] + c]);
     ck_assert_uint_eq(part->n_triangles, surface ? whole->n_triangles : 0);
     for (size_t i = 0; i < 3 * part->n_triangles; i++)
         ck_assert_int_eq(node[part->triangles[i]], whole->triangles[i]);
@@ -52,6 +56,7 @@ static void check_part(const palp_mesh *whole, const int32_t *owner, int32_t who
     palp_mesh_free(part);
     free(node);
     free(element);
+    free(solid);
 }
 
 START_TEST(parts_make_the_whole) {
@@ -77,13 +82,14 @@ END_TEST
 /* A process may have nothing. */
 START_TEST(a_part_may_be_empty) {
     palp_mesh *whole = cube(3, PALP_NEIGHBOURS_26), *part = NULL;
-    int32_t owner[27] = {0}, *node = NULL, *element = NULL;
-    ck_assert_int_eq(mesh_part(whole, owner, 1, false, &part, &node, &element), PALP_OK);
+    int32_t owner[27] = {0}, *node = NULL, *element = NULL, *solid = NULL;
+    ck_assert_int_eq(mesh_part(whole, owner, 1, false, &part, &node, &element, &solid), PALP_OK);
     ck_assert_uint_eq(part->n_nodes + part->n_elements + part->n_tetrahedra, 0);
     palp_mesh_free(part);
     palp_mesh_free(whole);
     free(node);
     free(element);
+    free(solid);
 }
 END_TEST
 
