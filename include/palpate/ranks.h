@@ -33,13 +33,13 @@ PALP_API palp_status palp_ranks_agree(const palp_ranks *ranks, palp_status statu
 /* The network of a network model, of which each process has a part, as PETSc divides the graph of its
  * elements. Arguments as in palp_network_from_model. Each process makes the whole mesh and keeps its part.
  * With tools, each part also has all nodes of the surface, on which palp_network_enable_tools works without
- * subdivisions. The part can be stepped and run, and written by palp_vtu_add (one file for each process).
- * Positions, elements and the mesh are those of the part; forces and depths are of the whole. Newton's method
- * is PETSc's (SNES, line search on the residual), linear systems are solved by conjugate gradients with
- * algebraic multigrid (GAMG). Stability is assessed only where conjugate gradients find an indefinite
- * tangent. ERR_UNSUPPORTED, with the name of the feature in error: effects, regions under tools or with a
- * material or fibres of their own, density, PALP_BRANCH_STABLE. Cutting, ties, contact of tissue, real time
- * and reduction return ERR_UNSUPPORTED too. */
+ * subdivisions; palp_network_contacts names no regions then. The part can be stepped and run, and written by
+ * palp_vtu_add (one file for each process). Positions, elements and the mesh are those of the part; forces
+ * and depths are of the whole. Newton's method is PETSc's (SNES, line search on the residual), linear systems
+ * are solved by conjugate gradients with algebraic multigrid (GAMG). Stability is assessed only where
+ * conjugate gradients find an indefinite tangent. ERR_UNSUPPORTED, with the name of the feature in error:
+ * effects, regions with a material or fibres of their own, density, PALP_BRANCH_STABLE. Cutting, ties,
+ * contact of tissue, real time and reduction return ERR_UNSUPPORTED too. */
 PALP_API palp_status palp_ranks_network(palp_ranks *ranks, const palp_model *model, const palp_mesh *mesh,
                                         size_t n_supports, const palp_support *supports,
                                         const palp_network_settings *settings, bool tools,

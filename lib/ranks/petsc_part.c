@@ -117,26 +117,25 @@ static part *new_part(const palp_ranks *ranks) {
 
 /* ---- the public call ----------------------------------------------------------------------------- */
 
-/* The first region with a material or fibres of its own, or any under a tool; NULL = none. */
-static const char *unsupported_region(const palp_network_settings *s, bool tools) {
+/* The first region with a material or fibres of its own; NULL = none. */
+static const char *unsupported_region(const palp_network_settings *s) {
     for (size_t r = 0; r < s->n_regions; r++) {
         const palp_region *region = &s->regions[r];
-        if (tools || !(region->stiffness > 0.0) || region->fibre_Pa > 0.0)
+        if (!(region->stiffness > 0.0) || region->fibre_Pa > 0.0)
             return region->name;
     }
     return NULL;
 }
 
 /* Names the first feature that is not supported. */
-static palp_status refuse_unsupported(const palp_model *model, const palp_network_settings *s, bool tools,
+static palp_status refuse_unsupported(const palp_model *model, const palp_network_settings *s,
                                       palp_error *error) {
     char what[PALP_REGION_NAME_MAX + 48] = "";
-    const char *region = unsupported_region(s, tools);
+    const char *region = unsupported_region(s);
     if (model->n_effects > 0)
         snprintf(what, sizeof what, "the effect %s", palp_effect_look_up(model->effects[0].id)->id);
     else if (region)
-        snprintf(what, sizeof what, "the region \"%.*s\"%s", PALP_REGION_NAME_MAX - 1, region,
-                 tools ? " under a tool" : "");
+        snprintf(what, sizeof what, "the region \"%.*s\"", PALP_REGION_NAME_MAX - 1, region);
     else if (s->density_kg_m3 > 0.0)
         snprintf(what, sizeof what, "a density");
     else if (s->branch != PALP_BRANCH_CONTINUE)
@@ -211,7 +210,7 @@ palp_status palp_ranks_network(palp_ranks *ranks, const palp_model *model, const
     double *scale = NULL;
     palp_supports_default(usual);
     network_take_settings(model, &own);
-    palp_status status = refuse_unsupported(model, &own, tools, error);
+    palp_status status = refuse_unsupported(model, &own, error);
     if (!status && !mesh)
         status = part_agree(ranks->comm, palp_model_mesh(model, &made, error), error);
     const palp_mesh *whole = mesh ? mesh : made;
