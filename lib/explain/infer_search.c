@@ -157,6 +157,8 @@ static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_tr
         if (!status && explain_may_recover(&s->data, id))
             status = enter(s, &starts.effect[i], !s->fit.c.renewed, best, &t->share);
     }
+    if (effect_row_of(id)->jumps && best[1].raw) /* its whole posterior is scanned, from any start */
+        infer_fit_free(&best[1]);
     for (int i = 0; i < 2 && !status; i++) /* an outlier without the effect need not be one with it */
         status = best[i].raw ? infer_tails_learn(&best[i], &s->data) : PALP_OK;
     t->fit = best[0];
