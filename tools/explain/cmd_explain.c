@@ -36,8 +36,8 @@ static int parse(int argc, char **argv, explain_options *o) {
                  "runs kept out of the fit, between commas (default auto: each in turn)"),
         cli_text("candidates", "IDS", &o->candidates, "effects to try, between commas (default: all)"),
         cli_count("every", "N", 1, 1e6, &o->every,
-                  "take one sample in N of each run (default: so many that 20000 remain\n"
-                  "in all; the time it takes grows with them)"),
+                  "take one sample in N of each run, and those between them where the path\n"
+                  "bends (default: so many that 20000 remain; the time it takes grows with them)"),
         cli_choice("contact", "known|common|free", &o->contact,
                    "whether depth 0 is contact: exactly in every run (known); off by the same in\n"
                    "all, if at all (common); or off by a value of each run, with an estimated\n"
