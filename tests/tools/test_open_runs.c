@@ -1,4 +1,4 @@
-/* test_open_runs.c: which samples are picked where one in so many is taken: also those where the path bends. */
+/* test_open_runs.c: which samples are picked where one in so many is: those at bends of the path too. */
 #include "shared/opening.h"
 
 #include <math.h>
