@@ -4,10 +4,9 @@
 
 #include "cli.h"
 
-#include <palpate/segments.h>
 #include <math.h>
+#include <palpate/segments.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const char *const NUMBERS[] = {"specimen.height_mm", "specimen.radius_mm", "session.start_s",
                                       "protocol.order",     "protocol.repeat",    "protocol.depth_mm",
@@ -40,7 +39,7 @@ typedef struct picking {
  * between these, and so on. Returns how many. */
 static size_t pick_bends(picking *p, size_t from, size_t to, double tolerance) {
     size_t count = 0;
-    for (size_t far = from; from + 1 < to; far = from) {
+    for (size_t far = from; from + 1 < to && p->time[to] > p->time[from]; far = from) {
         const double rate = (p->depth[to] - p->depth[from]) / (p->time[to] - p->time[from]);
         double most = tolerance;
         for (size_t i = from + 1; i < to; i++) {
