@@ -1,6 +1,6 @@
-/* petsc_tangent.c: the tangent of a part in PETSc's matrix. It is given as coordinates and values: 18 for
- * each element (the block of second and first node, and its transpose), 9 for each node of the part, 9 for
- * each further pair that solids or tools need. PETSc adds values at the same place, also those of other
+/* petsc_tangent.c: the tangent of a part in PETSc's matrix. It is given as coordinates and values. Each
+ * element has 18: the block of second and first node, and its transpose. Each node of the part has 9, and so
+ * has each further pair that solids or tools need. PETSc adds values at the same place, also those of other
  * processes. */
 #include "petsc_internal.h"
 
