@@ -51,7 +51,7 @@ say "Recording four presses; the indenter's firmware runs as $(sed -n 's/^runnin
 say "Fitting a lumped model: a spring beside arms (springs with dashpots) whose force fades with time."
 into characterize.txt "$palpate" characterize "$runs"/*.csv --degree 4 --out "$out/lumped.json" --result "$out/characterize.json"
 say "Looking for what that model misses."
-into explain.txt "$palpate" explain --model "$out/lumped.json" "$runs"/*.csv --every 40 --jobs 2 \
+into explain.txt "$palpate" explain --model "$out/lumped.json" "$runs"/*.csv --every 25 --jobs 2 \
     --out "$out/lumped_explained.json" --result "$out/explain.json" --report "$out/explain.html"
 say "Finding the material of a network of 27 particles that behaves as that model."
 into calibrate.txt "$palpate" calibrate "$out/lumped_explained.json" --nodes 3 --law spline --strain-dependent \
