@@ -31,41 +31,30 @@ bool network_evaluate_blocks(palp_network *net, const network_blocks *blocks) {
     return isfinite(net->force_squares);
 }
 
-/* Those that add up over parts, or the others. */
-static void evaluate_terms(palp_network *net, bool add_up) {
-    for (size_t i = 0; i < net->n_terms; i++) {
-        const network_term_kind *kind = net->terms[i]->kind;
-        if (kind->evaluate && kind->adds_up == add_up)
-            kind->evaluate(net->terms[i], net);
-    }
-}
-
 void network_evaluate_terms(palp_network *net) {
     memset(net->outer, 0, 3 * net->n_nodes * sizeof *net->outer);
     net->outer_squares = 0.0;
-    evaluate_terms(net, true);
-    if (net->ranks && net->ranks->volume) {
-        net->ranks->complete(net->ranks, 3, net->outer);
-        net->outer_squares = network_sum_of_parts(net, net->outer_squares);
-    }
-    evaluate_terms(net, false);
-}
-
-static void add_products(const palp_network *net, bool add_up, const double *u, double *out) {
     for (size_t i = 0; i < net->n_terms; i++) {
         const network_term_kind *kind = net->terms[i]->kind;
-        if (kind->times && kind->adds_up == add_up)
-            kind->times(net->terms[i], net, u, out);
+        if (kind->evaluate)
+            kind->evaluate(net->terms[i], net);
+        if (kind->adds_up && net->ranks) {
+            net->ranks->complete(net->ranks, 3, net->outer);
+            net->outer_squares = network_sum_of_parts(net, net->outer_squares);
+        }
     }
 }
 
 /* out = the terms' blocks times u, of all parts. */
 static void multiply_terms(const palp_network *net, const double *u, double *out) {
     memset(out, 0, 3 * net->n_nodes * sizeof *out);
-    add_products(net, true, u, out);
-    if (net->ranks && net->ranks->volume)
-        net->ranks->complete(net->ranks, 3, out);
-    add_products(net, false, u, out);
+    for (size_t i = 0; i < net->n_terms; i++) {
+        const network_term_kind *kind = net->terms[i]->kind;
+        if (kind->times)
+            kind->times(net->terms[i], net, u, out);
+        if (kind->adds_up && net->ranks)
+            net->ranks->complete(net->ranks, 3, out);
+    }
 }
 
 double network_shared_length(const palp_network *net) {

@@ -82,7 +82,9 @@ typedef struct network_term_kind {
      * a node or an element. Their sum is positive semidefinite, or nearly, and at most spread times the
      * blocks on nodes. */
     double spread;
-    bool adds_up; /* in a network in parts each part has other solids; other terms are the same in all */
+    /* In a network in parts each part has other solids, whose forces add up. Such a term comes first; later
+     * ones are the same in all parts. */
+    bool adds_up;
     void (*blocks_part)(const network_term *term, const palp_network *net, size_t part, size_t parts,
                         network_block_taker take, void *user);
 

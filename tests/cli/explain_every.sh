@@ -23,3 +23,9 @@ done
 expect 0 explain --model given.json run?.csv --every 70 --candidates sensor_lag,relaxation_arm --result every.out
 grep -q '"verdict": "explained"' every.out || fail "one sample in 70: $(cat out)"
 near "lag with one sample in 70" "$(value every.out time_s)" 0.05 0.01
+
+# A file without samples is refused.
+head -n 1 run1.csv | grep '^#' >empty.csv
+echo time_s,depth_mm,force_N >>empty.csv
+expect 1 explain --model given.json empty.csv --every 70
+grep -q 'empty.csv: fewer than 16 samples' err || fail "an empty file: $(cat err)"

@@ -7,7 +7,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <cmocka.h>
 
@@ -17,8 +16,19 @@ static double noise(size_t i, double sd) {
     return sd * (sin(12.9898 * (double)(i * i)) + sin(78.233 * (double)i));
 }
 
-/* Down by a ramp of 0.6215 s that begins at 0.2135 s, and a dwell. Depths in multiples of grain, mm. */
-static palp_experiment *press(double grain, double depth_noise, double force_noise) {
+/* A ramp of 0.6215 s that begins at 0.2135 s, and a dwell, mm. */
+static double ramp(double t) {
+    return 4.0 * fmin(1.0, fmax(0.0, (t - 0.2135) / 0.6215));
+}
+
+/* It bends everywhere, more and more. */
+static double wave(double t) {
+    return t * (1.0 - cos(20.0 * t));
+}
+
+/* Depths in multiples of grain, mm. */
+static palp_experiment *press_along(double (*path)(double), double grain, double depth_noise,
+                                    double force_noise) {
     static char file[600];
     palp_experiment *run = NULL;
     palp_explain_input input;
@@ -29,7 +39,7 @@ static palp_experiment *press(double grain, double depth_noise, double force_noi
     assert_non_null(to);
     fputs("# palpate.experiment: 1\n# specimen.height_mm: 24\ntime_s,depth_mm,force_N\n", to);
     for (size_t i = 0; i < N; i++) {
-        const double t = 1e-3 * (double)i, depth = 4.0 * fmin(1.0, fmax(0.0, (t - 0.2135) / 0.6215));
+        const double t = 1e-3 * (double)i, depth = path(t);
         fprintf(to, "%.3f,%.9g,%.9g\n", t, grain * round((depth + noise(i, depth_noise)) / grain),
                 0.5 * depth + noise(i + 7, force_noise));
     }
@@ -37,6 +47,10 @@ static palp_experiment *press(double grain, double depth_noise, double force_noi
     assert_int_equal(open_runs("test", 1, files, EVERY, &run, &input), 0);
     assert_ptr_equal(input.experiment, run);
     return run;
+}
+
+static palp_experiment *press(double grain, double depth_noise, double force_noise) {
+    return press_along(ramp, grain, depth_noise, force_noise);
 }
 
 static bool has_time(const palp_experiment *run, double time) {
@@ -69,8 +83,7 @@ static void rounding_and_noise_are_no_bends(void **state) {
     palp_experiment_free(noisy);
 }
 
-/* Coarse forces forgive more of the path; without noise there is a limit of samples. */
-static void as_fine_as_the_force(void **state) {
+static void coarse_forces_forgive_more(void **state) {
     (void)state;
     palp_experiment *coarse = press(1e-9, 0.0, 0.5), *exact = press(1e-9, 0.0, 0.0);
     assert_int_equal(palp_experiment_rows(coarse), REGULAR);
@@ -79,9 +92,16 @@ static void as_fine_as_the_force(void **state) {
     palp_experiment_free(exact);
 }
 
+static void bends_are_limited(void **state) {
+    (void)state;
+    palp_experiment *waves = press_along(wave, 1e-9, 0.0, 0.0);
+    assert_in_range(palp_experiment_rows(waves), REGULAR + 10, 2 * REGULAR);
+    palp_experiment_free(waves);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(corners_are_kept),
-                                       cmocka_unit_test(rounding_and_noise_are_no_bends),
-                                       cmocka_unit_test(as_fine_as_the_force)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(corners_are_kept), cmocka_unit_test(rounding_and_noise_are_no_bends),
+        cmocka_unit_test(coarse_forces_forgive_more), cmocka_unit_test(bends_are_limited)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -39,7 +39,7 @@ typedef struct picking {
  * between these, and so on. Returns how many. */
 static size_t pick_bends(picking *p, size_t from, size_t to, double tolerance) {
     size_t count = 0;
-    for (size_t far = from; from + 1 < to && p->time[to] > p->time[from]; far = from) {
+    for (size_t far = from; from + 1 < to; far = from) {
         const double rate = (p->depth[to] - p->depth[from]) / (p->time[to] - p->time[from]);
         double most = tolerance;
         for (size_t i = from + 1; i < to; i++) {

@@ -10,8 +10,8 @@
 int open_model(const char *command, const char *file, palp_model *model, palp_mesh_source *mesh);
 int open_run(const char *command, const char *file, palp_experiment **run);
 
-/* Opens n runs, one sample in every of each; 0: in so many that 20000 remain in all, which stderr says. They
- * are the caller's, also those that were opened before an error. */
+/* Opens n runs, one sample in every of each, and those between them where the path bends. every 0: in so many
+ * that 20000 remain in all, which stderr says. They are the caller's, also those opened before an error. */
 int open_runs(const char *command, size_t n, const char *const *files, size_t every, palp_experiment **run,
               palp_explain_input *input);
 
