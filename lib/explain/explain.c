@@ -38,6 +38,10 @@ static void mark_accepted(palp_explanation *e) {
                 e->candidate[k].unconfirmed = false;
                 e->candidate[k].reason[0] = '\0';
             }
+    for (size_t k = 0; k < e->n_candidates; k++) /* it was taken in a step, and exchanged later */
+        if (!e->candidate[k].accepted && e->candidate[k].reason[0] == '\0')
+            snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
+                     "another effect is more probable");
 }
 
 static palp_status conclude(infer_search *s, const palp_model *model, palp_explanation *e) {
@@ -192,6 +196,31 @@ static palp_status begin(infer_search *s, const palp_model *model) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
+/* The fit at hand as the answer. An effect may be exchanged for a look-alike, which increases the evidence.
+ */
+static palp_status describe(infer_search *s, const palp_model *model, palp_explanation *e) {
+    palp_status status = PALP_OK;
+    bool exchanged = true;
+    for (size_t i = 0; exchanged && !status; i++) {
+        exchanged = i < s->settings->max_effects;
+        status = infer_keep_given_arms(s);
+        if (!status)
+            status = infer_discrepancy_drop(s, &e->discrepancy.evidence);
+        if (status)
+            break;
+        e->model = s->fit.c.model;
+        e->model.material.law.strain_max = model->material.law.strain_max;
+        free(e->specimens.between);
+        e->specimens.between = NULL;
+        status = infer_specimens_find(s, e);
+        e->model.between = e->specimens.between;
+        e->model.n_specimens = e->specimens.between ? e->specimens.n : 0;
+        if (!status)
+            status = infer_describe(s, e, &exchanged);
+    }
+    return status;
+}
+
 static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {
     palp_status status = begin(s, model);
     if (!status)
@@ -209,20 +238,9 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
         status = infer_fit_converge(&s->fit, &s->data);
     if (!status)
         status = infer_search_drop(s);
-    if (!status)
-        status = infer_keep_given_arms(s);
-    if (!status)
-        status = infer_discrepancy_drop(s, &e->discrepancy.evidence);
     tell(s, INFER_SEARCH_SHARE - s->told);
-    if (status)
-        return status;
-    e->model = s->fit.c.model;
-    e->model.material.law.strain_max = model->material.law.strain_max;
-    status = infer_specimens_find(s, e);
-    e->model.between = e->specimens.between;
-    e->model.n_specimens = e->specimens.between ? e->specimens.n : 0;
     if (!status)
-        status = infer_describe(s, e);
+        status = describe(s, model, e);
     if (s->n_given > s->data.given->n_effects && e->n_effects < PALP_EXPLAIN_EFFECTS)
         e->effect[e->n_effects++] = explain_frame_effect(&s->data);
     mark_accepted(e);

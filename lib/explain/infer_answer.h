@@ -34,7 +34,9 @@ palp_status infer_law_find(const infer_search *s, const palp_model *given, palp_
 
 /* ---- the accepted effects (infer_describe.c) ---- */
 
-palp_status infer_describe(infer_search *s, palp_explanation *e);
+/* exchanged: a look-alike that is more probable than its effect may take its place in the fit at hand; it
+ * has, and e has to be described anew. */
+palp_status infer_describe(infer_search *s, palp_explanation *e, bool *exchanged);
 
 /* The experiment with the largest expected information on which effect of out's equivalence class is the true
  * one. It replaces *next if it has more. (infer_next.c) */

@@ -20,9 +20,23 @@ static palp_status find_gain(infer_search *s, const infer_search *rest, palp_exp
     return status;
 }
 
+/* A trial's fit to convergence, with a discrepancy only where that is more probable: as the fit at hand. */
+static palp_status finish(infer_search *rest, infer_fit *fit) {
+    double nats;
+    palp_status status = infer_fit_converge(fit, &rest->data);
+    if (status)
+        return status;
+    infer_fit_exchange(&rest->fit, fit);
+    status = infer_discrepancy_drop(rest, &nats);
+    infer_fit_exchange(&rest->fit, fit);
+    return status;
+}
+
 /* Effects whose odds, conditional on the others, are within the threshold of the current fit's. The most
- * probable ones are fitted to convergence, up to the first one beyond the threshold. */
-static palp_status find_alike(const infer_search *s, infer_search *rest, palp_explain_effect *out) {
+ * probable ones are fitted to convergence, up to the first one beyond the threshold. *better: the most
+ * probable one that exceeds the effect itself, as the search compares fits short of convergence. */
+static palp_status find_alike(const infer_search *s, infer_search *rest, palp_explain_effect *out,
+                              int *better) {
     palp_status status = PALP_OK;
     bool known[PALP_EFFECT_COUNT] = {false};
     out->alike[out->n_class++] = out->effect.id;
@@ -38,27 +52,36 @@ static palp_status find_alike(const infer_search *s, infer_search *rest, palp_ex
             break;
         infer_fit *fit = &rest->trial[best].fit;
         known[best] = true;
-        status = infer_fit_converge(fit, &s->data);
+        status = finish(rest, fit);
         if (status || fit->score < s->fit.score - infer_threshold(s->settings))
             break;
         out->alike[out->n_class++] = (palp_effect_id)best;
+        const double most = *better == PALP_EFFECT_COUNT ? s->fit.score : rest->trial[*better].fit.score;
+        if (fit->score > most && infer_may_be_named(s, &rest->trial[best]))
+            *better = best;
     }
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *out, palp_explain_next *next) {
+/* exchanged: a look-alike may take the effect's place; it has, and nothing else of *out is known. */
+static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *out, palp_explain_next *next,
+                              bool *exchanged) {
     infer_search rest;
+    int better = PALP_EFFECT_COUNT;
     palp_status status = infer_search_without(s, i, &rest);
     out->evidence = status ? 0.0 : s->fit.score - rest.fit.score;
     if (!status)
         status = infer_try_all(&rest);
     if (!status)
-        status = find_alike(s, &rest, out);
-    if (!status)
+        status = find_alike(s, &rest, out, &better);
+    *exchanged = *exchanged && !status && better != PALP_EFFECT_COUNT;
+    if (*exchanged)
+        infer_search_take(s, &rest.trial[better].fit);
+    if (!status && !*exchanged)
         status = find_gain(s, &rest, out);
-    if (!status)
+    if (!status && !*exchanged)
         status = infer_next_find(s, &rest, out, next);
-    if (!status) {
+    if (!status && !*exchanged) {
         const double before = explain_fitted_rms(&s->data, rest.residual),
                      after = explain_fitted_rms(&s->data, s->residual),
                      noise = infer_white_level(&s->fit, &s->data);
@@ -141,9 +164,13 @@ static palp_status find_hum(const infer_search *s, palp_explain_effect *out) {
     return status;
 }
 
-palp_status infer_describe(infer_search *s, palp_explanation *e) {
+palp_status infer_describe(infer_search *s, palp_explanation *e, bool *exchanged) {
     palp_status status = infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
-    for (size_t i = 0; i < infer_added(s) && !status; i++) {
+    const bool may = *exchanged;
+    *exchanged = false;
+    e->n_effects = 0;
+    e->next = (palp_explain_next){.wanted = false};
+    for (size_t i = 0; i < infer_added(s) && !status && !*exchanged; i++) {
         const size_t at = s->n_given + i;
         palp_explain_effect *out = &e->effect[e->n_effects++];
         *out = (palp_explain_effect){.effect.id = infer_added_id(s, i)};
@@ -156,8 +183,9 @@ palp_status infer_describe(infer_search *s, palp_explanation *e) {
             if (!status && e->model.n_effects < PALP_EFFECTS_MAX)
                 e->model.effects[e->model.n_effects++] = out->effect;
         }
+        *exchanged = may;
         if (!status)
-            status = find_class(s, i, out, &e->next);
+            status = find_class(s, i, out, &e->next, exchanged);
     }
     return status;
 }

@@ -36,6 +36,11 @@ static void forget_without(infer_search *s) {
             infer_fit_free(&s->without[i]);
 }
 
+void infer_search_take(infer_search *s, infer_fit *other) {
+    infer_fit_exchange(&s->fit, other);
+    forget_without(s);
+}
+
 void infer_search_free(infer_search *s) {
     infer_trials_free(s);
     forget_without(s);
@@ -390,8 +395,7 @@ static bool is_shown(double share) {
     return share > 0.5;
 }
 
-/* The same, and the effect is above the practical limit. */
-static bool may_be_named(const infer_search *s, const infer_trial *t) {
+bool infer_may_be_named(const infer_search *s, const infer_trial *t) {
     return t->fit.raw && is_shown(t->learned) && t->explained > s->settings->good_enough * s->data.peak;
 }
 
@@ -399,7 +403,8 @@ static bool may_be_named(const infer_search *s, const infer_trial *t) {
 static int best_trial(const infer_search *s) {
     int best = INFER_TRIALS;
     for (int i = 0; i < INFER_TRIALS; i++)
-        if (may_be_named(s, &s->trial[i]) && (best == INFER_TRIALS || s->trial[i].gain > s->trial[best].gain))
+        if (infer_may_be_named(s, &s->trial[i]) &&
+            (best == INFER_TRIALS || s->trial[i].gain > s->trial[best].gain))
             best = i;
     return best;
 }
@@ -515,7 +520,7 @@ static const char *why_not(const infer_search *s, int id, char *lack) {
     }
     if (!(t->gain > 0.0))
         return "is less probable than nothing";
-    if (!may_be_named(s, t))
+    if (!infer_may_be_named(s, t))
         return is_shown(t->learned) ? "explains less than the practical limit" : "these runs cannot show it";
     return t->gain > infer_threshold(s->settings) ? "another effect is more probable"
                                                   : "is more probable than not, but not by enough";
@@ -541,7 +546,7 @@ static palp_status keep_step(infer_search *s, int best) {
                                         .accepted = accepted,
                                         .score = t->fit.raw ? t->gain : 0.0,
                                         .explained_N = t->explained};
-        out->unconfirmed = may_be_named(s, t) && !accepted && t->gain > 0.0;
+        out->unconfirmed = infer_may_be_named(s, t) && !accepted && t->gain > 0.0;
         char lack[EFFECT_LACK_MAX];
         if (!accepted)
             snprintf(out->reason, sizeof out->reason, "%s", why_not(s, i, lack));

@@ -63,6 +63,12 @@ palp_status infer_search_anew(infer_search *s, const infer_fit *base);
  * first. */
 palp_status infer_search_drop(infer_search *s);
 
+/* Another fit takes the place of the fit at hand, which then is in *other. */
+void infer_search_take(infer_search *s, infer_fit *other);
+
+/* Whether a trial has a fit whose strength the runs determine, above the practical limit. */
+bool infer_may_be_named(const infer_search *s, const infer_trial *t);
+
 /* The search without added effect i; its trials are not done. */
 palp_status infer_search_without(const infer_search *full, size_t i, infer_search *rest);
 void infer_search_free(infer_search *s); /* but for its data */

@@ -98,6 +98,45 @@ START_TEST(what_is_left_out_depends_on_the_runs) {
 }
 END_TEST
 
+/* A search that ended with a lag where another arm is more probable: the arm takes its place, if it may, and
+ * keeps it. */
+START_TEST(a_more_probable_look_alike_takes_the_place) {
+    palp_explain_settings settings = palp_explain_settings_default();
+    memset(settings.candidate, 0, sizeof settings.candidate);
+    settings.candidate[PALP_EFFECT_RELAXATION_ARM] = settings.candidate[PALP_EFFECT_SENSOR_LAG] = true;
+    settings.max_effects = 1;
+    palp_model truth = lumped_model(1), wrong = truth;
+    palp_effect *arm = add_effect(&truth, PALP_EFFECT_RELAXATION_ARM, 0);
+    arm->value[0] = 2;
+    arm->value[1] = 1.5;
+    add_effect(&wrong, PALP_EFFECT_SENSOR_LAG, 0)->value[0] = 0.05;
+    infer_search s;
+    palp_explanation *e = calloc(1, sizeof *e);
+    begin(&truth, RUNS, &settings, &s);
+    infer_fit_free(&s.fit);
+    s.residual = malloc(2 * s.data.n * sizeof *s.residual);
+    s.discrepancy = s.residual + s.data.n;
+    ck_assert_int_eq(infer_fit_create(&wrong, &s.data, NULL, &s.fit), PALP_OK);
+    ck_assert_int_eq(infer_fit_evaluate(&s.fit, &s.data), PALP_OK);
+    ck_assert_int_eq(infer_fit_settle(&s.fit, &s.data, 4, true), PALP_OK);
+    ck_assert_int_eq(infer_fit_converge(&s.fit, &s.data), PALP_OK);
+    for (int i = 0; i < 3; i++) {
+        static const palp_effect_id id[] = {PALP_EFFECT_SENSOR_LAG, PALP_EFFECT_RELAXATION_ARM,
+                                            PALP_EFFECT_RELAXATION_ARM};
+        const double was = s.fit.score;
+        bool exchanged = i > 0;
+        ck_assert_int_eq(infer_describe(&s, e, &exchanged), PALP_OK);
+        ck_assert(exchanged == (i == 1));
+        ck_assert_uint_eq(infer_added(&s), 1);
+        ck_assert_int_eq(infer_added_id(&s, 0), id[i]);
+        ck_assert_double_gt(s.fit.score, was + (exchanged ? 1 : -1e-6));
+        ck_assert(exchanged || e->effect[0].effect.id == id[i]);
+    }
+    free(e);
+    end(&s, RUNS);
+}
+END_TEST
+
 /* No experiment separates a set from itself. Another one, which has pores in place of the arm, is separated
  * the better the more time there is. Nothing fits into less time than a run takes. */
 START_TEST(the_next_experiment_tells_two_sets_apart) {
@@ -195,6 +234,7 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_test(tc, a_run_left_out_has_the_evidence_it_adds);
     tcase_add_test(tc, what_is_left_out_depends_on_the_runs);
+    tcase_add_test(tc, a_more_probable_look_alike_takes_the_place);
     tcase_add_test(tc, the_next_experiment_tells_two_sets_apart);
     tcase_add_test(tc, a_family_is_refuted_by_its_runs);
 }
