@@ -3,6 +3,10 @@
 
     ccx_block.py sphere RADIUS NU DEPTH [STEPS] [--fine N | --nodes N]
                                 a rigid smooth sphere pressed into the middle of its top; a quarter of it, neo-Hookean
+    ccx_block.py sphere RADIUS NU DEPTH [STEPS] --at X[,Z] [--side] [--length L] [--fine N]
+                                the same X from an edge of the top, in the middle of the other way (half of the cube) or Z from that edge
+                                (all of it); --side: the face X = 0 is bonded in place of the floor, so the tip presses a side, X above
+                                the bonded face; --length: a capsule that lies along z, between the centres of its ends
     ccx_block.py face NU [--fine N]
                                 between bonded plates, small strain
 
@@ -89,58 +93,79 @@ def solve(name, folder, limit):
     return blocks, done.stdout[-300:]
 
 
-def tip_mesh(f, radius, edge, node0, element0, m):
-    """A quarter disc of thin stiff bricks behind the tip's surface, all its nodes moved. m strips."""
+def tip_mesh(f, radius, edge, node0, element0, m, half, low):
+    """A disc of thin stiff bricks behind the tip's surface, all its nodes moved: 2 m strips a way, m where low is 0 (a symmetric half).
+    half: of a capsule's length between the centres of its ends, along z."""
+    us, vs = ([k / m for k in range(n * m, m + 1)] for n in low)
+    rows = [(v, half) for v in vs]
+    if half:  # symmetric
+        straight = math.ceil(half / edge * m)
+        rows = [(0, half * k / straight) for k in range(straight)] + rows
     f.write("*NODE,NSET=TIP\n")
-    n = lambda i, j, k: node0 + 1 + 2 * (i * (m + 1) + j) + k
-    for i in range(m + 1):
-        for j in range(m + 1):
-            u, v = i / m, j / m
+    n = lambda i, j, k: node0 + 1 + 2 * (i * len(rows) + j) + k
+    for i, u in enumerate(us):
+        for j, (v, shift) in enumerate(rows):
             x, z = edge * u * math.sqrt(1 - v * v / 2), edge * v * math.sqrt(1 - u * u / 2)  # a square onto a disc
             up = gap("sphere", radius, math.hypot(x, z))
             for k in range(2):
-                f.write("%d,%.12g,%.12g,%.12g\n" % (n(i, j, k), x, 1 + up + 0.1 * k, z))
+                f.write("%d,%.12g,%.12g,%.12g\n" % (n(i, j, k), x, 1 + up + 0.1 * k, z + shift))
     f.write("*ELEMENT,TYPE=C3D8,ELSET=RIGID\n")
-    for i in range(m):
-        for j in range(m):
+    for i in range(len(us) - 1):
+        for j in range(len(rows) - 1):
             lower = [n(i, j, 0), n(i, j + 1, 0), n(i + 1, j + 1, 0), n(i + 1, j, 0)]
-            f.write("%d,%s\n" % (element0 + 1 + i * m + j, ",".join(map(str, lower + [x + 1 for x in lower]))))
+            f.write("%d,%s\n" % (element0 + 1 + i * (len(rows) - 1) + j, ",".join(map(str, lower + [x + 1 for x in lower]))))
     f.write("*MATERIAL,NAME=STIFF\n*ELASTIC\n1000,0.3\n*SOLID SECTION,ELSET=RIGID,MATERIAL=STIFF\n*SURFACE,NAME=STIP,TYPE=ELEMENT\nRIGID,S1\n")
 
 
-def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800, regions=()):
+def around(low, high, half, near, size):
+    """Grid lines from low to high, fine to half + near on either side of the tip at 0."""
+    def way(end):
+        points = graded(0, half, 1.5 * size, 1.5 * size) if half else [0]
+        to = min(half + near, end)
+        points = join(points, graded(half, to, size, size))
+        return join(points, graded(to, end, size, 0.125)) if end - to > 0.3 * size else points[:-1] + [end]
+    return [-x for x in reversed(way(-low))][:-1] + way(high) if low else way(high)
+
+
+def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800, regions=(), at=(), side=False, length=0):
     """[(depth, force)], or raises RuntimeError. nodes: of linear elements, alike, so many nodes a side; an odd number. regions: boxes with
-    x and z from the tip's axis, y from the floor, and the factor of their stiffness."""
+    x and z from the tip's axis, y from the floor, and the factor of their stiffness. at, side, length: as above."""
     a = min(math.sqrt(radius * depth) * (1.25 if depth > 0.3 * radius else 1.1), 0.9 * radius)  # the contact, or a little more
     size, near = a / fine, min(1.2 * a, 0.4)
-    xs = join(graded(0, near, size, size), graded(near, 0.5, size, 0.125))
+    low = [-at[k] if k < len(at) else 0 for k in range(2)]  # of the mesh from the tip's axis; 0: symmetric
+    xs, zs = (around(p, 1 + p if p else 0.5, half, near, size) for p, half in zip(low, (0, 0.5 * length)))
     ys = [1 - y for y in reversed(graded(0, 1, 0.8 * size, 0.16))]
-    xs, ys = snapped(xs, regions, 0), snapped(ys, regions, 1)
+    xs, ys, zs = snapped(xs, regions, 0), snapped(ys, regions, 1), snapped(zs, regions, 2)
     if nodes:
         xs, ys = [[i / (nodes - 1) for i in range(m)] for m in ((nodes + 1) // 2, nodes)]
-        size, fine = xs[1], 12
+        zs, size, fine = xs, xs[1], 12
+    nearest = lambda points, i, half: max(0, min(abs(points[i]), abs(points[i + 1])) - half)
     with tempfile.TemporaryDirectory() as folder:
         folder = keep or folder
         name = os.path.join(folder, "block")
         with open(name + ".inp", "w") as f:
-            number, cell = bricks(f, xs, ys, xs, bool(nodes))
-            nset(f, "FLOOR", [q for p, q in number.items() if p[1] == 0])
-            nset(f, "XZERO", [q for p, q in number.items() if p[0] == 0])
-            nset(f, "ZZERO", [q for p, q in number.items() if p[2] == 0])
-            sections(f, xs, ys, xs, cell, regions,
+            number, cell = bricks(f, xs, ys, zs, bool(nodes))
+            nset(f, "FLOOR", [q for p, q in number.items() if p[0 if side else 1] == 0])
+            fixed = "*BOUNDARY\nFLOOR,1,3\nTIP,1,1\nTIP,3,3\n"
+            for axis, (letter, p) in enumerate(zip("XZ", low)):
+                if not p:
+                    nset(f, letter + "ZERO", [q for place, q in number.items() if place[2 * axis] == 0])
+                    fixed += "%sZERO,%d,%d\n" % (letter, 2 * axis + 1, 2 * axis + 1)
+            sections(f, xs, ys, zs, cell, regions,
                      lambda factor: "*HYPERELASTIC,NEO HOOKE\n%.12g,%.12g" % (0.5 * factor, 3 * (1 - 2 * nu) / (1 + nu) / factor))
-            tip_mesh(f, radius, min(1.3 * a, 0.98 * radius), len(number), len(cell), int(5 * fine))
+            tip_mesh(f, radius, min(1.3 * a, 0.98 * radius), len(number), len(cell), int(5 * fine), 0.5 * length, [-1 if p else 0 for p in low])
             f.write("*SURFACE,NAME=STOP,TYPE=ELEMENT\n")
             for (i, j, k), e in cell.items():
-                if j == len(ys) - 2 and math.hypot(xs[i], xs[k]) < 1.3 * a:
+                if j == len(ys) - 2 and math.hypot(nearest(xs, i, 0), nearest(zs, k, 0.5 * length)) < 1.3 * a:
                     f.write("%d,S2\n" % e)
             f.write("*SURFACE INTERACTION,NAME=TOUCH\n*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR\n%g,1e-4\n" % (100.0 / size))
             f.write("*CONTACT PAIR,INTERACTION=TOUCH,TYPE=SURFACE TO SURFACE\nSTOP,STIP\n")
-            f.write("*BOUNDARY\nFLOOR,1,3\nXZERO,1,1\nZZERO,3,3\nTIP,1,1\nTIP,3,3\n")
+            f.write(fixed)
             f.write("*STEP,NLGEOM,INC=200\n*STATIC\n%g,1,1e-4,%g\n*BOUNDARY\nTIP,2,2,%.12g\n" % (1 / steps, 1 / steps, -depth))
             f.write("*NODE PRINT,NSET=FLOOR,TOTALS=ONLY\nRF\n*END STEP\n")
         found, told = solve(name, folder, limit)
-        curve = [(t * depth, 4 * v[1]) for t, v in found]
+        share = 2 ** low.count(0)
+        curve = [(t * depth, share * v[1]) for t, v in found]
         if not curve or curve[-1][0] < 0.999 * depth:
             raise RuntimeError("ccx stopped at %s of %g: %s" % (curve[-1:] and curve[-1][0], depth, told))
         return curve
@@ -176,6 +201,12 @@ if __name__ == "__main__":
     for w in arguments:
         if w in ("--fine", "--nodes"):
             options[w[2:]] = int(next(arguments))
+        elif w == "--at":
+            options["at"] = [float(x) for x in next(arguments).split(",")]
+        elif w == "--side":
+            options["side"] = True
+        elif w == "--length":
+            options["length"] = float(next(arguments))
         elif w == "--keep":
             options["keep"] = next(arguments)
         else:
