@@ -96,11 +96,14 @@ void infer_noise_begin(infer_fit *fit, const explain_data *data) {
                                .freedom = 1000.0};
     for (int a = 0; a < INFER_SLOW; a++) {
         fit->noise.slow[a] = 0.3 * white;
+        fit->noise.slow_freedom[a] = data->law_alone ? 1000.0 : 0.0;
         fit->noise.time[a] = shortest * pow(longest / shortest, (double)a / (INFER_SLOW - 1));
     }
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
         for (size_t i = 0; i < data->run[r].n; i++) {
             fit->sample[at + i].certain = 1.0;
+            for (size_t a = 0; a < INFER_SLOW; a++)
+                fit->sample[at + i].steady[a] = 1.0;
             fit->sample[at + i].samples = data->run[r].samples ? fmax(1.0, data->run[r].samples[i]) : 1.0;
         }
     infer_steps_find(fit, data);
@@ -368,7 +371,7 @@ palp_status infer_fit_reevaluate(infer_fit *fit, const explain_data *data) {
         infer_variance(fit, run->n, fit->sample + at, variance);
         infer_whiten(&fit->noise, run->n, run->time, fit->sample + at, variance, run->use, 1, x, work);
         product[m * m - 1] = dense_dot(run->n, x, x);
-        infer_unwhiten(run->n, work, x, inverse);
+        infer_unwhiten(&fit->noise, run->n, fit->sample + at, work, x, inverse, NULL);
         for (size_t a = 0; a + 1 < n_active; a++)
             product[list[a] * m + m - 1] = product[(m - 1) * m + list[a]] =
                 dense_dot(run->n, raw + list[a] * run->n, x);
@@ -397,13 +400,17 @@ size_t infer_active_columns(const infer_fit *fit, size_t *list) {
 
 /* The contribution of the tails to the bound of the evidence. */
 static double tails(const infer_fit *fit, const explain_run *run, const infer_sample *sample) {
-    double sum = 0.0, n = 0.0;
+    double sum = 0.0, n = 0.0, all = 0.0;
     for (size_t i = 0; i < run->n; i++)
         if (run->use[i]) {
             sum += log(sample[i].certain) - sample[i].certain + 1.0;
             n += 1.0;
         }
-    return n * infer_tail_evidence(fit->noise.freedom, 1.0) + 0.5 * fit->noise.freedom * sum;
+    for (size_t a = 0; a < INFER_SLOW && fit->noise.slow_freedom[a] > 0.0; a++)
+        for (size_t i = 1; i < run->n; i++)
+            all += infer_tail_evidence(fit->noise.slow_freedom[a], 1.0) +
+                   0.5 * fit->noise.slow_freedom[a] * (log(sample[i].steady[a]) - sample[i].steady[a] + 1.0);
+    return n * infer_tail_evidence(fit->noise.freedom, 1.0) + 0.5 * fit->noise.freedom * sum + all;
 }
 
 palp_status infer_fit_products(infer_fit *fit, const explain_data *data) {

@@ -36,6 +36,7 @@ typedef struct infer_noise {
     double slow[INFER_SLOW], time[INFER_SLOW]; /* N, s: Ornstein-Uhlenbeck processes */
     double freedom;                            /* degrees of freedom of Student's t, for the independent
                                                   noise */
+    double slow_freedom[INFER_SLOW]; /* and for the innovations of the correlated noise; 0: they are normal */
 } infer_noise;
 
 /* The sizes among these; the encoder's is last, as it may be none. */
@@ -50,11 +51,13 @@ enum {
 
 /* Slopes and weights on which the noise of a sample depends. */
 typedef struct infer_sample {
-    double by_depth, by_time; /* of the force: by a change of depth at one sample, N/m; along the run, N/s */
-    double keep;              /* correlation of the encoder's error with that of the sample before */
-    double certain;           /* expected precision of the independent noise, in units of the inverse
-                                 variance */
-    double samples;           /* of which it is the mean, at least 1 */
+    double by_depth, by_time;  /* of the force: by a change of depth at one sample, N/m; along the run, N/s */
+    double keep;               /* correlation of the encoder's error with that of the sample before */
+    double certain;            /* expected precision of the independent noise, in units of the inverse
+                                  variance */
+    double samples;            /* of which it is the mean, at least 1 */
+    double steady[INFER_SLOW]; /* expected precision of the correlated noise's innovations to this sample,
+                                  likewise */
 } infer_sample;
 
 /* Prior standard deviations; 0 = there is none of it. */
@@ -131,8 +134,10 @@ double infer_whiten(const infer_noise *noise, size_t n, const double *time, cons
                     const double *variance, const unsigned char *use, size_t count, double *x, double *work);
 
 /* After infer_whiten of one column x[n] with the same work: x becomes the inverse of the covariance times the
- * column, and inverse[n] the inverse's diagonal. */
-void infer_unwhiten(size_t n, const double *work, double *x, double *inverse);
+ * column, and inverse[n] the inverse's diagonal. square[n] (NULL: not wanted): expected squares of the
+ * innovations of the correlated noise to each sample, over their variance: [n INFER_SLOW]. */
+void infer_unwhiten(const infer_noise *noise, size_t n, const infer_sample *sample, const double *work,
+                    double *x, double *inverse, double *square);
 
 /* After infer_whiten of x[n count] with the same work. The log likelihood is minus half the sum of the
  * columns' squares. Adds its derivatives by the logarithms of the sizes to slope[NOISES]. Adds their average

@@ -27,12 +27,12 @@ static void make_step(const infer_noise *noise, double dt, infer_step *step) {
 }
 
 /* Covariance of the processes after the step. */
-static void predict(const infer_step *step, double p[S][S]) {
+static void predict(const infer_step *step, const double steady[INFER_SLOW], double p[S][S]) {
     for (int a = 0; a < S; a++)
         for (int b = 0; b < S; b++)
             p[a][b] *= step->decay[a] * step->decay[b];
     for (int a = 0; a < S; a++)
-        p[a][a] += step->gained[a];
+        p[a][a] += a == ENCODER ? step->gained[a] : step->gained[a] / steady[a];
 }
 
 /* The sample's gain and sd; p becomes the covariance after it. Returns the log of its variance. */
@@ -69,7 +69,7 @@ static double gains(const infer_noise *noise, size_t n, const double *time, cons
         step.decay[ENCODER] = sample[i].keep;
         step.gained[ENCODER] = encoder * (1.0 - sample[i].keep * sample[i].keep);
         if (i > 0)
-            predict(&step, p);
+            predict(&step, sample[i].steady, p);
         *k = (kept){.sd = 0.0};
         memcpy(k->decay, step.decay, sizeof step.decay);
         for (int a = 0; a < S; a++)
@@ -168,12 +168,22 @@ static void pull_back(const kept *k, size_t count, double *restrict r, double *r
             r[(size_t)a * count + c] += k->row[a] * x[c];
 }
 
-void infer_unwhiten(size_t n, const double *work, double *x, double *inverse) {
+/* What the step to a sample adds to the variance of slow process a, if its innovations are normal. */
+static double gained_by(const infer_noise *noise, const kept *k, int a) {
+    return noise->slow[a] * noise->slow[a] * (1.0 - k->decay[a] * k->decay[a]);
+}
+
+void infer_unwhiten(const infer_noise *noise, size_t n, const infer_sample *sample, const double *work,
+                    double *x, double *inverse, double *square) {
     const kept *all = (const kept *)work;
     double r[S] = {0.0}, v[S][S] = {{0.0}};
     for (size_t i = n; i-- > 0;) {
         inverse[i] = look_back(&all[i], v);
         pull_back(&all[i], 1, r, &x[i]);
+        for (int a = 0; square && a < INFER_SLOW; a++) {
+            const double steady = sample[i].steady[a], gained = gained_by(noise, &all[i], a) / steady;
+            square[i * INFER_SLOW + (size_t)a] = (1.0 + gained * (r[a] * r[a] - v[a][a])) / steady;
+        }
         for (int a = 0; a < S; a++)
             r[a] *= all[i].decay[a];
         step_back(&all[i], v);
@@ -192,6 +202,8 @@ static void find_parts(const infer_noise *noise, size_t i, const infer_sample *s
     for (int a = 0; a < S; a++) {
         const double size = a == ENCODER ? noise->encoder : noise->slow[a];
         part[INFER_BY_SLOW + a] = size * size * (i > 0 ? 1.0 - k->decay[a] * k->decay[a] : 1.0);
+        if (a != ENCODER && i > 0)
+            part[INFER_BY_SLOW + a] /= sample->steady[a];
     }
 }
 

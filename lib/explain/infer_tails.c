@@ -38,35 +38,53 @@ static double find_freedom(size_t n, const double *square) {
     return exp(0.5 * (low + high));
 }
 
-/* Expected squares of the independent noise of run r, over its variance: square[n]; -1 without use. left[n]
- * is overwritten. work: [(INFER_FILTER + 2) n + INFER_STATES]. */
+/* Expected squares over their variances in run r: of the independent noise, square[n], -1 without use; and of
+ * the correlated noise's innovations, slow[n INFER_SLOW], -1 for the first sample. left[n] is overwritten.
+ * work:
+ * [(INFER_FILTER + 2) n + INFER_STATES]. */
 static void find_squares(const infer_fit *fit, const explain_run *run, const infer_sample *sample,
-                         double *left, double *square, double *work) {
+                         double *left, double *square, double *slow, double *work) {
     double *variance = work + INFER_FILTER * run->n + INFER_STATES, *inverse = variance + run->n;
     infer_variance(fit, run->n, sample, variance);
     infer_whiten(&fit->noise, run->n, run->time, sample, variance, run->use, 1, left, work);
-    infer_unwhiten(run->n, work, left, inverse);
+    infer_unwhiten(&fit->noise, run->n, sample, work, left, inverse, slow);
+    for (size_t a = 0; a < INFER_SLOW; a++) /* no step leads to the first sample */
+        slow[a] = -1.0;
     for (size_t i = 0; i < run->n; i++) {
         const double v = variance[i], mean = v * left[i];
         square[i] = run->use[i] ? (mean * mean + v - v * v * inverse[i]) / (v * sample[i].certain) : -1.0;
     }
 }
 
-/* One round on the residual of all samples. work: [3 data->n + (INFER_FILTER + 2) longest + STATES]. */
-static void learn_once(infer_fit *fit, const explain_data *data, const double *left, double *work) {
-    double *copy = work, *square = work + data->n, *fitted = square + data->n, *more = fitted + data->n;
+/* Expected precisions of all samples from their squares (negative: they do not count), and the degrees of
+ * freedom of those that are fitted. Squares are stride apart. fitted: [data->n] */
+static double find_certain(const explain_data *data, const double *square, size_t stride, double *fitted,
+                           double *certain) {
+    enum { STRIDE = sizeof(infer_sample) / sizeof(double) };
     size_t n = 0;
-    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n) {
-        for (size_t i = at; i < at + data->run[r].n; i++)
-            copy[i] = left[i];
-        find_squares(fit, &data->run[r], fit->sample + at, copy + at, square + at, more);
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
         for (size_t i = at; i < at + data->run[r].n && !data->run[r].held_out; i++)
-            if (square[i] >= 0.0)
-                fitted[n++] = square[i];
-    }
-    const double f = fit->noise.freedom = find_freedom(n, fitted);
+            if (square[i * stride] >= 0.0)
+                fitted[n++] = square[i * stride];
+    const double f = find_freedom(n, fitted);
     for (size_t i = 0; i < data->n; i++)
-        fit->sample[i].certain = square[i] >= 0.0 ? (f + 1.0) / (f + square[i]) : 1.0;
+        certain[i * STRIDE] = square[i * stride] >= 0.0 ? (f + 1.0) / (f + square[i * stride]) : 1.0;
+    return f;
+}
+
+/* One round on the residual of all samples. work: [(3 + INFER_SLOW) data->n + (INFER_FILTER + 2) longest +
+ * STATES]. */
+static void learn_once(infer_fit *fit, const explain_data *data, const double *left, double *work) {
+    infer_noise *noise = &fit->noise;
+    double *copy = work, *square = work + data->n, *slow = square + data->n,
+           *fitted = slow + INFER_SLOW * data->n, *more = fitted + data->n;
+    memcpy(copy, left, data->n * sizeof *copy);
+    for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
+        find_squares(fit, &data->run[r], fit->sample + at, copy + at, square + at, slow + INFER_SLOW * at,
+                     more);
+    noise->freedom = find_certain(data, square, 1, fitted, &fit->sample->certain);
+    for (size_t a = 0; a < INFER_SLOW && noise->slow_freedom[a] > 0.0; a++)
+        noise->slow_freedom[a] = find_certain(data, slow + a, INFER_SLOW, fitted, &fit->sample->steady[a]);
 }
 
 /* The residual of run r at the most probable step of the parameters, with all else at its posterior mean. */
@@ -104,9 +122,11 @@ static palp_status find_left(const infer_fit *fit, const explain_data *data, dou
 palp_status infer_tails_learn(infer_fit *fit, const explain_data *data) {
     enum { ROUNDS = 4 };
     const size_t n = data->n;
-    double *left = malloc((4 * n + (INFER_FILTER + 2) * data->longest + INFER_STATES) * sizeof *left);
+    double *left =
+        malloc(((4 + INFER_SLOW) * n + (INFER_FILTER + 2) * data->longest + INFER_STATES) * sizeof *left);
     infer_sample *was = malloc(n * sizeof *was);
-    const double freedom = fit->noise.freedom, promised = fit->promised;
+    const infer_noise noise = fit->noise;
+    const double promised = fit->promised;
     palp_status status = left && was ? find_left(fit, data, left) : PALP_ERR_NO_MEMORY;
     if (!status)
         memcpy(was, fit->sample, n * sizeof *was);
@@ -119,7 +139,7 @@ palp_status infer_tails_learn(infer_fit *fit, const explain_data *data) {
         if (status || fit->promised >= promised)
             break;
         memcpy(fit->sample, was, n * sizeof *was);
-        fit->noise.freedom = freedom;
+        fit->noise = noise;
     }
     free(left);
     free(was);

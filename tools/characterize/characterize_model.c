@@ -19,7 +19,7 @@ static const palp_recording *timed(const characterize_state *s, size_t *n) {
 static int fit_plain(const characterize_options *o, characterize_state *s) {
     for (size_t i = 0; i < s->n_static; i++) {
         for (size_t d = 1; d <= DEGREE_MAX; d++) {
-            if (d > 5 && d != o->degree && !o->degree_auto)
+            if (d > 5 && d != o->degree && d != s->degree && !o->degree_auto)
                 continue;
             palp_status status = palp_thesis_polynomial(&s->run[i], d, &s->plain[i][d], &s->norm_N[i][d]);
             if (status)
@@ -314,8 +314,7 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     progress_start(&bar, "fitting");
     int code = o->likelihood ? fit_plain(o, s) : fit_all(o, s, &bar);
     code = code || !o->likelihood ? code : characterize_likelihood(o, s);
-    if (code == CLI_OK && o->likelihood)
-        code = fit_plain(o, s); /* with the new contacts */
+    code = code ? code : fit_plain(o, s); /* with the new contacts, and the degree of the law */
     progress_finish(&bar);
     code = code ? code : characterize_compare(s);
     if (code == CLI_OK) {

@@ -372,7 +372,7 @@ static void next_text(const json_t *all, char text[4 * LINE]) {
             what, both, force_text(json_number_at(next, "separation_N"), apart),
             force_text(json_number_at(json_object_get(all, "gap"), "noise_level_N"), noise));
     } else if (json_is_object(next)) {
-        snprintf(text, 2 * LINE, "No run that the indenter can do separates %s.", both);
+        snprintf(text, 2 * LINE, "No run within the allowed time, depth and speed separates %s.", both);
     } else if (strcmp(verdict, "unexplained") == 0 || strcmp(verdict, "suspected") == 0) {
         repeat_words(all, text);
     } else {

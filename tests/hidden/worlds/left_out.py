@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""left_out.py: how well palpate characterize predicts a run that it has not seen, where nothing is missing.
-    left_out.py DIR [OPTION...]      DIR: --out of run.sh; options of characterize, e.g. --likelihood
+"""left_out.py: how well palpate characterize predicts a run that it has not seen.
+    left_out.py DIR [--all] [OPTION...]      DIR: --out of run.sh; --all: where something is missing too;
+                                             options of characterize, e.g. --likelihood
     left_out.py RUN.csv... [OPTION...]      the same of these runs, in % of the largest force of the run that is left out
-Of each null the first and the middle run are left out in turn. What simulate --like misses them by, with the best zero and
+Of each case where nothing is missing the first and the middle run are left out in turn. What simulate --like misses them by, with the best zero and
 gain, is given in noise levels: one line a run, then the median and the largest. PALPATE is the command."""
 import glob
 import json
@@ -56,12 +57,13 @@ def main(arguments):
             options = [a for a in arguments if a not in files]
             all_ = both("", files, options, scratch, lambda force: max(map(abs, force)) / 100)
         else:
+            options = [a for a in arguments[1:] if a != "--all"]
             truth = json.load(open(os.path.join(arguments[0], "truth.json")))
             for case in truth["cases"] if isinstance(truth, dict) else truth:
-                if not case["effect"] and not case["outside"]:
+                if "--all" in arguments or (not case["effect"] and not case["outside"]):
                     runs = sorted(glob.glob(os.path.join(arguments[0], "cases", case["case"], "run_*.csv")))
-                    options = case["characterize"].split() + arguments[1:]
-                    all_ += both(f"{case['case']}  {case['world']:14}", runs, options, scratch, lambda _, n=case["noise_N"]: n)
+                    own = case["characterize"].split() + options
+                    all_ += both(f"{case['case']}  {case['world']:14}", runs, own, scratch, lambda _, n=case["noise_N"]: n)
     print(f"{len(all_)} runs: median {statistics.median(all_):.3g}, largest {max(all_):.3g}")
 
 

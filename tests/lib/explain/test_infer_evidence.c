@@ -58,7 +58,11 @@ static void begin(explain_data *data, infer_fit *fit, palp_model *m) {
     for (size_t i = 0; i < data->n; i++) {
         fit->sample[i].keep = 0.9 * cos((double)i);
         fit->sample[i].certain = i % 5 ? 1.1 : 0.3;
+        for (size_t a = 0; a < INFER_SLOW; a++)
+            fit->sample[i].steady[a] = (i + a) % 7 ? 1.2 : 0.05;
     }
+    for (size_t a = 0; a < INFER_SLOW; a++)
+        fit->noise.slow_freedom[a] = 2 + (double)a;
     ck_assert_int_eq(infer_fit_evaluate(fit, data), PALP_OK);
     ck_assert_int_eq(infer_fit_score(fit, data), PALP_OK);
 }
@@ -68,6 +72,13 @@ static void end(explain_data *data, infer_fit *fit) {
     explain_data_free(data);
     for (size_t r = 0; r < runs; r++)
         palp_experiment_free((palp_experiment *)(uintptr_t)input[r].experiment);
+}
+
+/* Variance that slow process a gains in the step to sample i of a run. */
+static double gained(const infer_fit *fit, const explain_run *run, const infer_sample *sample, size_t a,
+                     size_t i) {
+    const double decay = exp((run->time[i - 1] - run->time[i]) / fit->noise.time[a]);
+    return pow(fit->noise.slow[a], 2) * (1 - decay * decay) / sample[i].steady[a];
 }
 
 /* Covariance of the noise alone between samples i and j of run r. */
@@ -82,8 +93,14 @@ static double noise_between(const infer_fit *fit, const explain_data *data, size
     for (size_t k = (i < j ? i : j) + 1; k <= (i < j ? j : i); k++)
         encoder *= at[k].keep;
     sum += encoder;
-    for (size_t a = 0; a < INFER_SLOW; a++)
-        sum += pow(fit->noise.slow[a], 2) * exp(-fabs(run->time[i] - run->time[j]) / fit->noise.time[a]);
+    for (size_t a = 0; a < INFER_SLOW; a++) {
+        const double tau = fit->noise.time[a];
+        double variance = pow(fit->noise.slow[a], 2);
+        for (size_t k = 1; k <= (i < j ? i : j); k++)
+            variance =
+                variance * exp(2 * (run->time[k - 1] - run->time[k]) / tau) + gained(fit, run, at, a, k);
+        sum += variance * exp(-fabs(run->time[i] - run->time[j]) / tau);
+    }
     return sum;
 }
 
@@ -196,6 +213,9 @@ static void compare_with_joint_density(bool average) {
     for (size_t i = 0; i < n; i++)
         if (data.run[i / EACH].use[i % EACH])
             expected += infer_tail_evidence(fit.noise.freedom, fit.sample[i].certain);
+    for (size_t i = 0; i < n; i++)
+        for (size_t a = 0; a < INFER_SLOW && i % EACH > 0; a++)
+            expected += infer_tail_evidence(fit.noise.slow_freedom[a], fit.sample[i].steady[a]);
     ck_assert_double_eq_tol(fit.promised, expected, 1e-6 * fabs(expected));
     free(c);
     end(&data, &fit);
@@ -363,7 +383,7 @@ START_TEST(the_noise_is_white_after_the_filter) {
     palp_model m;
     begin(&data, &fit, &m);
     static double x[EACH * EACH], work[EACH * (INFER_FILTER + INFER_STATES)], variance[EACH], c[EACH * EACH],
-        v[EACH], inverse[EACH];
+        v[EACH], inverse[EACH], square[INFER_SLOW * EACH];
     const explain_run *run = &data.run[1];
     memset(x, 0, sizeof x);
     for (size_t i = 0; i < EACH; i++) {
@@ -389,7 +409,7 @@ START_TEST(the_noise_is_white_after_the_filter) {
     static double y[EACH];
     memcpy(y, v, sizeof y);
     infer_whiten(&fit.noise, EACH, run->time, sample, variance, run->use, 1, v, work);
-    infer_unwhiten(EACH, work, v, inverse);
+    infer_unwhiten(&fit.noise, EACH, sample, work, v, inverse, square);
     dense_cholesky_solve(EACH, c, 1, y);
     for (size_t i = 0; i < EACH; i++) {
         static double unit[EACH];
@@ -398,6 +418,19 @@ START_TEST(the_noise_is_white_after_the_filter) {
         dense_cholesky_solve(EACH, c, 1, unit);
         ck_assert_double_eq_tol(v[i], y[i], 1e-9 * fmax(1, fabs(y[i])));
         ck_assert_double_eq_tol(inverse[i], unit[i], 1e-9 * unit[i]);
+        for (size_t a = 0; a < INFER_SLOW && i > 0;
+             a++) { /* innovation a to this sample, given all samples */
+            const double own = gained(&fit, run, sample, a, i);
+            static double with[EACH], solved[EACH];
+            for (size_t j = 0; j < EACH; j++)
+                solved[j] = with[j] =
+                    j < i || !run->use[j] ? 0 : own * exp((run->time[i] - run->time[j]) / fit.noise.time[a]);
+            dense_cholesky_solve(EACH, c, 1, solved);
+            const double mean = dense_dot(EACH, with, y),
+                         found = (mean * mean + own - dense_dot(EACH, with, solved)) /
+                                 (own * sample[i].steady[a]);
+            ck_assert_double_eq_tol(square[i * INFER_SLOW + a], found, 1e-8 * fmax(1, found));
+        }
     }
     end(&data, &fit);
 }
@@ -454,6 +487,31 @@ START_TEST(a_lone_sample_far_off_changes_little) {
         square += i == ODD ? 0 : pow(left[1][i] - left[0][i], 2) / (double)data.n;
     ck_assert_msg(sqrt(square) < 0.5 * NOISE, "the others change by %g N", sqrt(square));
     ck_assert_double_lt(fit.sample[ODD].certain, 0.1);
+    end(&data, &fit);
+}
+END_TEST
+
+/* Where the force of one run steps, the correlated noise may step too, at that sample alone. */
+START_TEST(a_step_is_one_innovation) {
+    enum { ODD = 30 };
+    explain_data data;
+    infer_fit fit;
+    palp_model m;
+    begin(&data, &fit, &m);
+    data.law_alone = true;
+    for (size_t i = ODD; i < EACH; i++)
+        data.run[0].force[i] += 30 * NOISE;
+    infer_noise_begin(&fit, &data);
+    fit.sizes = infer_sizes_first(&data);
+    ck_assert_int_eq(infer_fit_evaluate(&fit, &data), PALP_OK);
+    for (int i = 0; i < 3; i++)
+        ck_assert_int_eq(infer_noise_learn(&fit, &data, 20, i == 0), PALP_OK);
+    for (size_t i = 1; i < data.n; i++) {
+        double least = 1;
+        for (size_t a = 0; a < INFER_SLOW; a++)
+            least = fmin(least, fit.sample[i].steady[a]);
+        ck_assert_msg(i == ODD ? least < 0.02 : least > 0.1, "precision %g at sample %zu", least, i);
+    }
     end(&data, &fit);
 }
 END_TEST
@@ -550,6 +608,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, the_bound_of_a_tail_is_students_density);
     tcase_add_test(tc, steps_are_read_off_the_files);
     tcase_add_test(tc, a_lone_sample_far_off_changes_little);
+    tcase_add_test(tc, a_step_is_one_innovation);
     tcase_add_loop_test(tc, the_slopes_of_the_noise_are_those_of_the_evidence, 0, 8);
     tcase_add_test(tc, learned_sizes_are_the_most_likely);
 }
