@@ -214,4 +214,15 @@ grep -q '"name":"fit_log".*"title":"5 mm"' result.json || fail "the key does not
 sed '/^[0-9]/s/$/ /' hold5.csv >again5.csv
 expect 0 characterize hold5.csv again5.csv --arms 1 --degree 2 --result named.json
 grep -q '"name":"fit_log".*"title":"hold5"' named.json && grep -q '"name":"fit_log".*"title":"again5"' named.json || fail "the key does not name runs of one depth"
+
+# The likelihood may choose a polynomial of six coefficients; the plain one beside it is fitted too.
+cat >six.json <<'J'
+{"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 20}, "arms": [{"stiffness_N": 17, "viscosity_Ns": 3.2}],
+ "stiffness": {"kind": "polynomial", "coefficients_N": [4.139, 0.606, 916.6, -6639, 32939, -34412]}}
+J
+expect 0 simulate six.json --protocol static --depth-mm 4 --rate-mm-s 1 --sample-Hz 50 --air-s 1 --noise-N 1e-5 --seed 3 --out six_static.csv
+expect 0 simulate six.json --protocol ramp_hold --depth-mm 3.9 --hold-s 3 --sample-Hz 50 --air-s 1 --noise-N 1e-5 --seed 4 --out six_hold.csv
+expect 0 characterize six_static.csv six_hold.csv --likelihood --out six_found.json
+grep -q '"polynomial", "coefficients_N": \[\([^],]*,\)\{5\}[^],]*\]' six_found.json || fail "no polynomial of six coefficients: $(cat six_found.json)"
+grep -q '^    0.05 ' out || fail "no plain polynomial: $(tail -n 5 out)"
 done_testing
