@@ -2,7 +2,10 @@
  * ball of another stiffness is pressed at 16 places; every fourth has none. The cube that is pressed has 12
  * nodes a side, the one in which the ball is looked for 8. The forces have noise of 0.5 %. change is
  * the largest of a force by the ball, over the noise. bench_inclusion [FIRST LAST]: cases by number (default
- * 1 4; 1 26 has 20 balls); bench_inclusion map NAME: a map of data/tips/palpation.csv */
+ * 1 4; 1 26 has 20 balls); bench_inclusion layers FIRST LAST [known]: layers at the surface, pressed at 9
+ * places to two depths by a larger sphere, the gain fitted or known; bench_inclusion lattice FIRST LAST: the
+ * error that remains of a lattice where it was measured without the ball; bench_inclusion map NAME: a map of
+ * data/tips/palpation.csv */
 #include "bench.h"
 
 #include <palpate/palpation.h>
@@ -65,13 +68,13 @@ static void make_model(size_t nodes, double poisson, palp_mesh_source *source, p
 }
 
 /* Mean force over the deeper half, in small steps. */
-static double press(palp_network *net, palp_tool tool) {
+static double press(palp_network *net, palp_tool tool, double depth) {
     const double top = tool.position_m[1];
     double sum = 0.0;
     palp_tool_force felt;
     palp_network_reset(net);
     for (int i = 0; i <= STEPS; i++) {
-        tool.position_m[1] = top - DEPTH * (0.5 + 0.5 * i / STEPS);
+        tool.position_m[1] = top - depth * (0.5 + 0.5 * i / STEPS);
         palp_network_set_tools(net, 1, &tool);
         bench_check(palp_network_step(net, 0.0, INFINITY, NULL), "step");
         palp_network_tool_force(net, &felt);
@@ -80,26 +83,35 @@ static double press(palp_network *net, palp_tool tool) {
     return sum;
 }
 
+/* Places on a grid so many a side, each to n_depths depths up to this one. Returns their number. */
+static int plan_presses(int grid, int n_depths, double radius, double depth, palp_palpation_press *map) {
+    const int n = grid * grid * n_depths;
+    for (int i = 0; i < n; i++) {
+        const int place = i / n_depths;
+        palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = radius};
+        tool.position_m[0] = 0.0045 + 0.015 * (place / grid) / (grid - 1);
+        tool.position_m[1] = SIDE + radius;
+        tool.position_m[2] = 0.0045 + 0.015 * (place % grid) / (grid - 1);
+        map[i] = (palp_palpation_press){.tool = tool, .depth_m = depth * (1 + i % n_depths) / n_depths};
+    }
+    return n;
+}
+
 /* Forces without noise. */
-static void map_presses(const palp_region *ball, palp_palpation_press map[PRESSES]) {
+static void map_presses(size_t nodes, const palp_region *hidden, int n, palp_palpation_press *map) {
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
     palp_contact_settings contact = palp_contact_settings_default();
     palp_mesh_source source;
     palp_model model;
     palp_network *net = NULL;
-    make_model(TRUE_NODES, 0.45, &source, &model);
+    make_model(nodes, 0.45, &source, &model);
     source.n_regions = 1;
-    source.regions[0] = *ball;
+    source.regions[0] = *hidden;
     contact.subdivisions = 2;
     bench_check(palp_network_from_model(&model, NULL, 1, &bottom, NULL, &net, NULL), "network");
     bench_check(palp_network_enable_tools(net, 1, 0, &contact), "tools");
-    for (int i = 0; i < PRESSES; i++) {
-        palp_tool tool = {.shape = PALP_TOOL_SPHERE, .radius_m = RADIUS};
-        tool.position_m[0] = 0.0045 + 0.015 * (i / GRID) / (GRID - 1);
-        tool.position_m[1] = SIDE + RADIUS;
-        tool.position_m[2] = 0.0045 + 0.015 * (i % GRID) / (GRID - 1);
-        map[i] = (palp_palpation_press){tool, DEPTH, press(net, tool)};
-    }
+    for (int i = 0; i < n; i++)
+        map[i].force_N = press(net, map[i].tool, map[i].depth_m);
     palp_network_free(net);
 }
 
@@ -116,31 +128,43 @@ static double change_by_ball(const palp_palpation_press map[PRESSES],
     return most / NOISE;
 }
 
-/* Finds the ball of a map; prints it. Returns whether it was found. */
-static bool look(const palp_palpation_press map[PRESSES], double poisson, const double truth[5],
-                 int *inside) {
-    const palp_palpation_settings settings = palp_palpation_settings_default();
+/* What was found, and how many of the n intervals cover the truth. */
+static int print_values(int n, palp_palpation_value *const *value, const double *truth) {
+    int inside = 0;
+    for (int k = 0; k < n; k++) {
+        const double unit = k < n - 1 ? 1e3 : 1.0;
+        printf(" %6.4g (%5.3g %5.3g)/%5.3g", unit * value[k]->best, unit * value[k]->low,
+               unit * value[k]->high, unit * truth[k]);
+        inside += value[k]->low <= truth[k] && truth[k] <= value[k]->high;
+    }
+    return inside;
+}
+
+/* Looks in a map, for n values of a ball or a layer; prints them. Returns what was found. */
+static palp_palpation_kind look(int n_presses, const palp_palpation_press *map, double poisson,
+                                bool gain_known, int n, const double *truth, int *inside) {
+    static const char *const FOUND[] = {"  none found", "  ball", "  layer"};
+    palp_palpation_settings settings = palp_palpation_settings_default();
     palp_palpation p;
     palp_mesh_source source;
     palp_model model;
     palp_mesh *mesh = NULL;
+    settings.gain_known = gain_known;
     make_model(NODES, poisson, &source, &model);
     bench_check(palp_model_mesh(&model, &mesh, NULL), "mesh");
     const clock_t start = clock();
-    bench_check(palp_palpate(&model, mesh, PRESSES, map, &settings, &p, NULL), "palpate");
+    bench_check(palp_palpate(&model, mesh, (size_t)n_presses, map, &settings, &p, NULL), "palpate");
     const double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
     palp_mesh_free(mesh);
-    const palp_palpation_value *value[] = {&p.x_m, &p.y_m, &p.z_m, &p.radius_m, &p.stiffness};
-    printf(" %6.1f %8.1f %5.2f", seconds, p.evidence, 100.0 * p.scatter_found);
-    for (int k = 0; k < 5; k++) {
-        const double unit = k < 4 ? 1e3 : 1.0;
-        printf(" %6.4g (%5.3g %5.3g)/%5.3g", unit * value[k]->best, unit * value[k]->low,
-               unit * value[k]->high, unit * truth[k]);
-        *inside += p.found && value[k]->low <= truth[k] && truth[k] <= value[k]->high;
-    }
-    printf("%s\n", p.found ? "" : "  not found");
+    palp_palpation_value *const ball[] = {&p.x_m, &p.y_m, &p.z_m, &p.radius_m, &p.stiffness},
+                                *const layer[] = {&p.thickness_m, &p.layer_stiffness};
+    printf(" %6.1f %8.1f %8.1f %5.2f", seconds, p.evidence, p.evidence_layer,
+           100.0 * (n == 2 ? p.scatter_layer : p.scatter_found));
+    const int cover = print_values(n, n == 2 ? layer : ball, truth);
+    *inside += p.kind == (n == 2 ? PALP_PALPATION_LAYER : PALP_PALPATION_BALL) ? cover : 0;
+    printf("%s\n", FOUND[p.kind]);
     fflush(stdout);
-    return p.found;
+    return p.kind;
 }
 
 /* Presses of CalculiX: forces at half the depth and at all of it, between which they are a power of depth. */
@@ -170,16 +194,131 @@ static int look_in_map(const char *name) {
     for (size_t k = 0; n == PRESSES && k < sizeof BALLS / sizeof *BALLS; k++)
         if (strcmp(BALLS[k].name, name) == 0) {
             printf("%4s", name);
-            look(map, 0.3, BALLS[k].truth, &inside);
+            look(PRESSES, map, 0.3, false, 5, BALLS[k].truth, &inside);
             return 0;
         }
     fprintf(stderr, "bench_inclusion: no map of %d presses called %s\n", PRESSES, name);
     return 1;
 }
 
+static void add_noise(int n, palp_palpation_press *map, stream *s) {
+    for (int i = 0; i < n; i++)
+        map[i].force_N *= exp(NOISE * normal(s));
+}
+
+/* A layer of 4 to 9 mm at the top, as stiff as balls are. */
+static palp_region hide_layer(int number, stream *s) {
+    palp_region layer = hide_ball(number, s);
+    const double thickness = uniform(s, 0.004, 0.009);
+    layer.shape = PALP_REGION_BOX;
+    for (int k = 0; k < 3; k++) {
+        layer.low_m[k] = k == 1 ? SIDE - thickness : -SIDE;
+        layer.high_m[k] = 2.0 * SIDE;
+    }
+    return layer;
+}
+
+static int look_for_layers(int first, int last, bool gain_known) {
+    static const double WIDER = 0.006, DEEPER = 2e-3;
+    int counts[3] = {0}, none[3] = {0}, inside = 0;
+    printf("best (95 %% interval) / truth\n%4s %6s %8s %8s %5s %22s %22s\n", "case", "s", "ball", "layer",
+           "left", "thickness, mm", "stiffness");
+    for (int number = first; number <= last; number++) {
+        stream s;
+        palp_palpation_press map[PRESSES + 2];
+        const palp_region layer = hide_layer(number, &s);
+        const double truth[] = {SIDE - layer.low_m[1], layer.stiffness};
+        const int n = plan_presses(3, 2, WIDER, DEEPER, map);
+        map_presses(TRUE_NODES, &layer, n, map);
+        add_noise(n, map, &s);
+        printf("%4d", number);
+        (layer.stiffness == 1.0 ? none : counts)[look(n, map, 0.45, gain_known, 2, truth, &inside)]++;
+    }
+    printf("of %d layers %d found, %d called a ball; of %d without one %d false alarms; %d of %d intervals "
+           "cover\n",
+           counts[0] + counts[1] + counts[2], counts[PALP_PALPATION_LAYER], counts[PALP_PALPATION_BALL],
+           none[0] + none[1] + none[2], none[1] + none[2], inside, 2 * counts[PALP_PALPATION_LAYER]);
+    return 0;
+}
+
+/* log(a / b) of the forces of two maps, less the mean. */
+static void compare_maps(int n, const palp_palpation_press *a, const palp_palpation_press *b, double *ratio) {
+    double mean = 0.0;
+    for (int i = 0; i < n; i++)
+        mean += log(a[i].force_N / b[i].force_N) / n;
+    for (int i = 0; i < n; i++)
+        ratio[i] = log(a[i].force_N / b[i].force_N) - mean;
+}
+
+/* Derivative of the digamma function. */
+static double trigamma(double x) {
+    double sum = 0.0;
+    for (; x < 6.0; x += 1.0)
+        sum += 1.0 / (x * x);
+    const double s = 1.0 / (x * x);
+    return sum + (1.0 + 0.5 / x + s * (1.0 / 6.0 - s * (1.0 / 30.0 - s / 42.0))) / x;
+}
+
+/* The error of a lattice that remains after one 1.6 times as fine has corrected it without the ball, over the
+ * correction, both as scatter of a map. Of a scaled inverse chi-squared distribution with k degrees of
+ * freedom the logarithm has the variance trigamma(k / 2); the scatter of a map adds its own. */
+static int measure_lattice(int first, int last) {
+    enum { COARSE = 6, FINE = 9, FINEST = 14, PLACES = 4, N = PLACES * PLACES };
+    static const double TIP = 0.005;
+    const palp_region none = {.name = "hidden",
+                              .shape = PALP_REGION_SPHERE,
+                              .centre_m = {0.012, 0.012, 0.012},
+                              .radius_m = 0.004,
+                              .stiffness = 1.0};
+    palp_palpation_press coarse[N], fine[N], finest[N];
+    double taken[N], left[N], ratio, sum = 0.0, squares = 0.0;
+    const int n = plan_presses(PLACES, 1, TIP, DEPTH, coarse), cases = last - first + 1;
+    memcpy(fine, coarse, sizeof fine);
+    memcpy(finest, coarse, sizeof finest);
+    map_presses(COARSE, &none, n, coarse);
+    map_presses(FINE, &none, n, fine);
+    compare_maps(n, fine, coarse, taken);
+    printf("%4s %9s %10s %10s\n", "case", "stiffness", "correction", "left");
+    for (int number = first; number <= last; number++) {
+        stream s;
+        double was = 0.0, is = 0.0;
+        const palp_region ball = hide_ball(number, &s);
+        map_presses(COARSE, &ball, n, coarse);
+        map_presses(FINEST, &ball, n, finest);
+        compare_maps(n, finest, coarse, left);
+        for (int i = 0; i < n; i++) {
+            was += taken[i] * taken[i] / n;
+            is += (left[i] - taken[i]) * (left[i] - taken[i]) / n;
+        }
+        ratio = log(is / was);
+        sum += ratio / cases;
+        squares += ratio * ratio / cases;
+        printf("%4d %9.3g %8.2f %% %8.2f %%\n", number, ball.stiffness, 100.0 * sqrt(was), 100.0 * sqrt(is));
+        fflush(stdout);
+    }
+    const double variance = (squares - sum * sum) * cases / (cases - 1), own = trigamma(0.5 * (n - 1));
+    double low = 0.01, high = 1000.0;
+    for (int i = 0; i < 60; i++) {
+        const double middle = sqrt(low * high);
+        if (trigamma(0.5 * middle) > variance - own)
+            low = middle;
+        else
+            high = middle;
+    }
+    printf("left over the correction: geometric mean %.2f, sd of the logarithm of its square %.2f: %.2g "
+           "degrees of "
+           "freedom\n",
+           exp(0.5 * sum), sqrt(variance), low);
+    return 0;
+}
+
 int main(int argc, char **argv) {
     if (argc == 3 && strcmp(argv[1], "map") == 0)
         return look_in_map(argv[2]);
+    if (argc > 3 && strcmp(argv[1], "layers") == 0)
+        return look_for_layers(atoi(argv[2]), atoi(argv[3]), argc > 4 && strcmp(argv[4], "known") == 0);
+    if (argc > 3 && strcmp(argv[1], "lattice") == 0)
+        return measure_lattice(atoi(argv[2]), atoi(argv[3]));
     const int first = argc > 2 ? atoi(argv[1]) : 1, last = argc > 2 ? atoi(argv[2]) : 4;
     const palp_region none = {.name = "hidden",
                               .shape = PALP_REGION_SPHERE,
@@ -187,10 +326,11 @@ int main(int argc, char **argv) {
                               .radius_m = 0.004,
                               .stiffness = 1.0};
     palp_palpation_press bare[PRESSES];
-    int found = 0, felt = 0, found_felt = 0, balls = 0, false_alarms = 0, inside = 0;
-    map_presses(&none, bare);
-    printf("best (95 %% interval) / truth\n%4s %6s %6s %8s %5s %22s %22s %22s %22s %22s\n", "case", "change",
-           "s", "evidence", "left", "x, mm", "y, mm", "z, mm", "radius, mm", "stiffness");
+    int found = 0, layers = 0, felt = 0, found_felt = 0, balls = 0, false_alarms = 0, inside = 0;
+    plan_presses(GRID, 1, RADIUS, DEPTH, bare);
+    map_presses(TRUE_NODES, &none, PRESSES, bare);
+    printf("best (95 %% interval) / truth\n%4s %6s %6s %8s %8s %5s %22s %22s %22s %22s %22s\n", "case",
+           "change", "s", "ball", "layer", "left", "x, mm", "y, mm", "z, mm", "radius, mm", "stiffness");
     for (int number = first; number <= last; number++) {
         stream s;
         const palp_region ball = hide_ball(number, &s);
@@ -198,24 +338,27 @@ int main(int argc, char **argv) {
         const double truth[] = {ball.centre_m[0], ball.centre_m[1], ball.centre_m[2], ball.radius_m,
                                 ball.stiffness};
         int within = 0;
-        map_presses(&ball, map);
+        plan_presses(GRID, 1, RADIUS, DEPTH, map);
+        map_presses(TRUE_NODES, &ball, PRESSES, map);
         const double change = change_by_ball(map, bare);
-        for (int i = 0; i < PRESSES; i++)
-            map[i].force_N *= exp(NOISE * normal(&s));
+        add_noise(PRESSES, map, &s);
         printf("%4d %6.1f", number, change);
-        const bool is_found = look(map, 0.45, truth, &within);
+        const palp_palpation_kind kind = look(PRESSES, map, 0.45, false, 5, truth, &within);
+        const bool is_found = kind == PALP_PALPATION_BALL;
         if (ball.stiffness == 1.0) {
-            false_alarms += is_found;
+            false_alarms += kind != PALP_PALPATION_NONE;
             continue;
         }
         balls++;
         found += is_found;
+        layers += kind == PALP_PALPATION_LAYER;
         felt += change >= 3.0;
         found_felt += change >= 3.0 && is_found;
         inside += within;
     }
-    printf("%d of %d balls found, %d of %d that change a force by three noise levels; %d false alarms in %d; "
+    printf("%d of %d balls found, %d called a layer, %d of %d that change a force by three noise levels; %d "
+           "false alarms in %d; "
            "%d of %d intervals cover\n",
-           found, balls, found_felt, felt, false_alarms, last - first + 1 - balls, inside, 5 * found);
+           found, balls, layers, found_felt, felt, false_alarms, last - first + 1 - balls, inside, 5 * found);
     return 0;
 }

@@ -5,24 +5,36 @@
 
 #include <string.h>
 
-/* Young's modulus times a vertex's part of the surface, over the spacing and the stiffness of an element,
- * 1/m. */
-static double *local_stiffness(arena *memory, const palp_network *net, const skin *s, double *spacing) {
-    const size_t parts = s->n_triangles / net->n_surface;
-    double *local = arena_take(memory, s->n, sizeof *local), sum = 0.0;
-    const double modulus = network_shared_length(net) / (6.0 * mesh_volume(net->mesh, NULL));
-    for (size_t i = 0; i < 3 * s->n_triangles && local; i++) {
-        const int32_t *t = net->surface + 3 * (i / 3 / parts);
+/* Young's modulus times a part of a triangle, over the spacing and the stiffness of an element. Returns the
+ * spacing, m. */
+static double measure_patches(const palp_network *net, const skin *s, double *patch) {
+    const double parts = (double)(s->n_triangles / net->n_surface),
+                 modulus = network_shared_length(net) / (6.0 * mesh_volume(net->mesh, NULL));
+    double sum = 0.0;
+    for (size_t i = 0; i < net->n_surface; i++) {
+        const int32_t *t = net->surface + 3 * i;
         double normal[3];
         triangle_normal(net->rest + 3 * t[0], net->rest + 3 * t[1], net->rest + 3 * t[2], normal);
         const double edge = pow(dot3(normal, normal), 0.25); /* of the square that is twice the triangle */
-        const double stiffer =
-            net->stiffer ? (net->stiffer[t[0]] + net->stiffer[t[1]] + net->stiffer[t[2]]) / 3.0 : 1.0;
-        local[s->triangle[i]] += stiffer * modulus * edge / (6.0 * (double)parts);
+        patch[i] = modulus * edge / (6.0 * parts);
         sum += edge;
     }
-    *spacing = sum / (3.0 * (double)s->n_triangles);
-    return local;
+    return sum / (double)net->n_surface;
+}
+
+void layer_share_stiffness(contact_layer *l, const palp_network *net, contact_set *set) {
+    skin *s = &l->skin;
+    const size_t parts = s->n_triangles / net->n_surface;
+    skin_share_stiffness(s, net->n_surface, net->surface, net->unit);
+    memset(l->local, 0, s->n * sizeof *l->local);
+    for (size_t i = 0; i < 3 * s->n_triangles; i++) {
+        const size_t face = i / 3 / parts;
+        const int32_t *t = net->surface + 3 * face;
+        const double stiffer =
+            net->stiffer ? (net->stiffer[t[0]] + net->stiffer[t[1]] + net->stiffer[t[2]]) / 3.0 : 1.0;
+        l->local[s->triangle[i]] += stiffer * l->patch[face];
+    }
+    set->local = l->local;
 }
 
 contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tools,
@@ -48,7 +60,12 @@ contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tool
     l->half = arena_take(memory, 27 * s->room, sizeof *l->half);
     contact_set_create(set, memory, s->n, s->rest, s->n_triangles, s->triangle, s->unit, net->extent,
                        max_tools, settings);
-    set->local = local_stiffness(memory, net, s, &set->spacing);
+    l->patch = arena_take(memory, net->n_surface, sizeof *l->patch);
+    l->local = arena_take(memory, s->n, sizeof *l->local);
+    if (memory->failed)
+        return NULL;
+    set->spacing = measure_patches(net, s, l->patch);
+    layer_share_stiffness(l, net, set);
     return l;
 }
 

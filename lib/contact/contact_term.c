@@ -31,9 +31,12 @@ static size_t nodes_of_contact_corner(const contact_term *t, const contact *c, i
     return 1;
 }
 
+/* Where there are regions their stiffness may have changed. */
 static void reset_contact_term(network_term *term, palp_network *net) {
-    (void)net;
-    contact_set_reset(contact_set_of_term(term));
+    contact_term *t = (contact_term *)term;
+    contact_set_reset(&t->set);
+    if (t->layer && net->stiffer)
+        layer_share_stiffness(t->layer, net, &t->set);
 }
 
 /* All but their hulls, which are the caller's. */

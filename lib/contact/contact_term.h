@@ -20,6 +20,9 @@ typedef struct contact_layer {
     int32_t *stencil;  /* [room] */
     double *share;     /* [3 room] */
     double *half;      /* [27 room] */
+    double *patch;     /* [n_surface] of a triangle: what it adds to the local stiffness of each corner of its
+                          parts, 1/m; in tissue without regions */
+    double *local;     /* [skin.n] that of vertices, with regions */
 } contact_layer;
 
 typedef struct contact_term {
@@ -33,6 +36,9 @@ typedef struct contact_term {
 /* A layer and the set on it; NULL: out of memory. */
 contact_layer *layer_new(arena *memory, const palp_network *net, size_t max_tools,
                          const palp_contact_settings *settings, contact_set *set);
+
+/* Distributes the stiffness of the network's nodes, which may have changed, to the vertices. */
+void layer_share_stiffness(contact_layer *l, const palp_network *net, contact_set *set);
 
 /* Like the functions of contact_set and of the term, from positions and to forces of the network's nodes. */
 void layer_place(contact_layer *l, contact_set *set, double share, const double *now, const double *next);

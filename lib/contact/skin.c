@@ -8,23 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Distributes the stiffness of each node to its triangles and on to the vertices of their parts. */
-static bool share_corner_stiffness(skin *s, size_t n_surface, const int32_t *surface, const double *unit) {
-    int32_t *count = calloc(s->n_nodes + 1, sizeof *count);
-    if (!count)
-        return false;
+void skin_share_stiffness(skin *s, size_t n_surface, const int32_t *surface, const double *unit) {
     const size_t parts = s->n_triangles / n_surface;
-    for (size_t i = 0; i < 3 * n_surface; i++)
-        count[surface[i]]++;
+    memset(s->unit, 0, s->n * sizeof *s->unit);
     for (size_t i = 0; i < 3 * s->n_triangles; i++) {
         const int32_t *t = surface + 3 * (i / 3 / parts);
         double sum = 0.0;
         for (int k = 0; k < 3; k++)
-            sum += unit[t[k]] / count[t[k]];
+            sum += unit[t[k]] / s->faces[t[k]];
         s->unit[s->triangle[i]] += sum / (3.0 * (double)parts);
     }
-    free(count);
-    return true;
 }
 
 /* ---- pairs --------------------------------------------------------------------------------------- */
@@ -153,6 +146,7 @@ static bool copy_subdivided_surface(arena *memory, const subdivided *finer, skin
     s->node = arena_take(memory, v->first[v->n], sizeof *s->node);
     s->weight = arena_take(memory, v->first[v->n], sizeof *s->weight);
     s->unit = arena_take(memory, s->n, sizeof *s->unit);
+    s->faces = arena_take(memory, s->n_nodes, sizeof *s->faces);
     s->rest = arena_take(memory, 3 * s->n, sizeof *s->rest);
     if (memory->failed)
         return false;
@@ -170,9 +164,12 @@ palp_status skin_make(arena *memory, size_t n_nodes, const double *rest, size_t 
     if (!made)
         return PALP_ERR_NO_MEMORY;
     s->n_nodes = n_nodes;
-    made = copy_subdivided_surface(memory, &finer, s) && share_corner_stiffness(s, n_surface, surface, unit);
+    made = copy_subdivided_surface(memory, &finer, s);
     subdivide_free(&finer);
     if (made) {
+        for (size_t i = 0; i < 3 * n_surface; i++)
+            s->faces[surface[i]]++;
+        skin_share_stiffness(s, n_surface, surface, unit);
         for (size_t v = 0; v < s->n; v++)
             skin_take_vertex(s, (int32_t)v, rest, s->rest + 3 * v);
         list_triangles_of_vertices(memory, s);

@@ -23,6 +23,7 @@ typedef struct skin {
     double *weight;
     double *rest;           /* [3 n] */
     double *unit;           /* [n] its share of the nodes' stiffness */
+    int32_t *faces;         /* [n_nodes] triangles of the network's surface at a node */
     uint32_t *around_first; /* [n + 1] triangles around vertex v: around[around_first[v]] to
                                around[around_first[v + 1]] */
     int32_t *around;
@@ -39,6 +40,9 @@ typedef struct skin {
  * stiffness of each node, which is distributed to the vertices. */
 palp_status skin_make(arena *memory, size_t n_nodes, const double *rest, size_t n_surface,
                       const int32_t *surface, const double *unit, size_t subdivisions, skin *s);
+
+/* Distributes another stiffness of each node to its triangles and on to the vertices of their parts. */
+void skin_share_stiffness(skin *s, size_t n_surface, const int32_t *surface, const double *unit);
 
 /* The value at a vertex from values at nodes, in[3 n_nodes]. */
 void skin_take_vertex(const skin *s, int32_t vertex, const double *in, double out[3]);

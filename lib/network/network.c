@@ -284,9 +284,9 @@ palp_status palp_network_set_material(palp_network *net, const palp_material *ma
         net->material = old;
         return PALP_ERR_NO_MEMORY;
     }
-    palp_network_reset(net);
     if (net->base_share)
         network_find_units(net);
+    palp_network_reset(net);
     return PALP_OK;
 }
 

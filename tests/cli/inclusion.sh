@@ -1,5 +1,5 @@
 #!/bin/sh
-# inclusion.sh: a ball hidden in a network is found from a map of presses; where there is none, none is found; bad input.
+# inclusion.sh: a ball or a layer in a network is found from a map of presses; where there is none, none is found; bad input.
 . tests/cli/common
 
 model() { # REGIONS
@@ -37,7 +37,21 @@ grep -q 'A ball of another stiffness is there' out && grep -q 'Press next at' ou
 
 # ---- none ----
 expect 0 inclusion plain.json none_*.csv --subdivisions 0
-grep -q 'No ball is found' out || fail "a ball where none is: $(cat out)"
+grep -q 'Neither a ball nor a layer is found' out || fail "something where nothing is: $(cat out)"
+
+# ---- a layer, by relaxed presses of one depth whose gain is known, and its box in the model ----
+model '{"name": "skin", "box": {"low_mm": [-1, 11, -1], "high_mm": [25, 19, 25]}, "stiffness_factor": 6}' >skin.json
+for x in 5 12 19; do
+    for z in 5 12 19; do
+        expect 0 simulate skin.json --protocol static --relaxed --depth-mm 1.5 --tip sphere --tip-radius-mm 5 --tip-x-mm $x --tip-z-mm $z \
+            --noise-N 1e-4 --seed $((x + z)) --out "skin_${x}_$z.csv"
+    done
+done
+expect 0 inclusion plain.json skin_*.csv --subdivisions 0 --gain known --out layered.json --json
+grep -q '"kind": "layer"' out || fail "no layer: $(cat out)"
+grep -q '"name": "inclusion", "box"' layered.json || fail "no layer in the model: $(cat layered.json)"
+expect 0 inclusion plain.json skin_*.csv --subdivisions 0 --gain known
+grep -q 'A layer of another stiffness is there' out && grep -q 'thickness' out || fail "words: $(cat out)"
 
 # ---- bad input ----
 expect 2 inclusion plain.json

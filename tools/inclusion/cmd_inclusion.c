@@ -1,5 +1,5 @@
-/* cmd_inclusion.c: palpate inclusion: a stiffer or softer ball in a network, from a map of presses by
- * spheres. */
+/* cmd_inclusion.c: palpate inclusion: a stiffer or softer ball or layer in a network, from a map of presses
+ * by spheres. */
 #include "shared/cli.h"
 #include "shared/commands.h"
 #include "shared/json_out.h"
@@ -22,6 +22,7 @@ typedef struct inclusion_options {
     double false_alarm;
     const char *out;
     bool json;
+    int gain; /* 1: known */
 } inclusion_options;
 
 typedef struct inclusion {
@@ -37,19 +38,26 @@ static int parse(int argc, char **argv, inclusion_options *o) {
     const cli_option options[] = {
         cli_heading("Search"),
         cli_positive("false-alarm", "P", 0.5, &o->false_alarm,
-                     "chance that a ball is found where there is none (default 0.05)"),
+                     "something is found if the probability of neither is below P (default 0.05)"),
+        cli_choice(
+            "gain", "fitted|known", &o->gain,
+            "fitted: a factor of all forces is not known (default); known: the network was calibrated\n"
+            "on this very tissue and protocol"),
         cli_count("subdivisions", "N", 0, 4, &o->subdivisions,
                   "subdivisions of the surface for contact, see doc/simulator.md (default 2)"),
         cli_heading("Output"),
-        cli_out("out", "MODEL.json", &o->out, "the network with the ball as the region \"inclusion\""),
+        cli_out("out", "MODEL.json", &o->out,
+                "the network with the ball or layer as the region \"inclusion\""),
         cli_flag("json", &o->json, "the answer as JSON on standard output"),
     };
     const cli_command command = {
         NAME,
         "NETWORK.json PRESS.csv PRESS.csv ... [options]",
-        "Finds a ball of another stiffness in tissue from at least 8 presses by spheres, all with the same\n"
-        "protocol. Headers of the recordings have tip.kind sphere, tip.radius_mm, tip.x_mm and tip.z_mm.\n"
-        "Says where it is, how large and how stiff, with 95 % intervals, and where to press next.",
+        "Finds a ball of another stiffness in tissue, or a layer at its surface, from at least 8 presses by\n"
+        "spheres, all with the same protocol. A layer needs presses of two depths or radii, or a known "
+        "gain.\n"
+        "Headers of the recordings have tip.kind sphere, tip.radius_mm, tip.x_mm and tip.z_mm. Says which\n"
+        "of both it is, where, how large and how stiff, with 95 % intervals, and where to press next.",
         "  palpate inclusion liver.json map_*.csv --out liver_with_nodule.json\n",
         options,
         sizeof options / sizeof options[0]};
@@ -145,12 +153,13 @@ static int search(const inclusion_options *o, inclusion *s) {
     progress bar;
     settings.false_alarm = o->false_alarm;
     settings.contact.subdivisions = o->subdivisions;
+    settings.gain_known = o->gain == 1;
     list_candidates(s);
     settings.n_candidates = s->n_candidates;
     settings.candidate = s->candidate;
     settings.progress = show;
     settings.user = &bar;
-    progress_start(&bar, "inclusion: presses of balls");
+    progress_start(&bar, "inclusion: presses");
     const palp_status status = palp_palpate(&s->model, s->mesh, s->n, s->press, &settings, &s->found, &error);
     progress_finish(&bar);
     return status ? cli_status_of(NAME, o->words[0], status, &error) : CLI_OK;
@@ -178,17 +187,23 @@ static const double *next_place(const inclusion *s) {
 
 static int print_json(const inclusion *s) {
     const palp_palpation *p = &s->found;
+    static const char *const KIND[] = {"none", "ball", "layer"};
     json_t *ball = json_pack(
         "{s:o, s:o, s:o, s:o, s:o, s:o}", "x_mm", value_json(&p->x_m, 1e3), "y_mm", value_json(&p->y_m, 1e3),
         "z_mm", value_json(&p->z_m, 1e3), "radius_mm", value_json(&p->radius_m, 1e3), "stiffness_factor",
         value_json(&p->stiffness, 1.0), "cover_mm", json_number_or_null(1e3 * cover_of_ball(s)));
+    json_t *layer = json_pack("{s:o, s:o}", "thickness_mm", value_json(&p->thickness_m, 1e3),
+                              "stiffness_factor", value_json(&p->layer_stiffness, 1.0));
     const double *next = next_place(s);
     json_t *place =
         next ? json_pack("{s:f, s:f}", "x_mm", 1e3 * next[0], "z_mm", 1e3 * next[2]) : json_null();
-    return json_print(NAME, json_pack("{s:I, s:b, s:o, s:o, s:f, s:f, s:f, s:o}", "presses", (json_int_t)s->n,
-                                      "found", p->found, "evidence", json_number_or_null(p->evidence), "ball",
-                                      ball, "scatter", p->scatter, "scatter_with_ball", p->scatter_found,
-                                      "gain", p->gain, "next_press", place));
+    return json_print(NAME, json_pack("{s:I, s:b, s:s, s:o, s:o, s:o, s:o, s:f, s:f, s:f, s:f, s:f, s:o}",
+                                      "presses", (json_int_t)s->n, "found", p->found, "kind", KIND[p->kind],
+                                      "evidence", json_number_or_null(p->evidence), "evidence_layer",
+                                      json_number_or_null(p->evidence_layer), "ball", ball, "layer", layer,
+                                      "scatter", p->scatter, "scatter_with_ball", p->scatter_found,
+                                      "scatter_with_layer", p->scatter_layer, "gain", p->gain,
+                                      "gain_with_layer", p->gain_layer, "next_press", place));
 }
 
 static void print_value(const char *name, const palp_palpation_value *v, double unit, const char *of) {
@@ -199,13 +214,8 @@ static void print_value(const char *name, const palp_palpation_value *v, double 
         printf("%.3g\n", unit * v->high);
 }
 
-static void print_text(const inclusion_options *o, const inclusion *s) {
+static void print_ball(const inclusion *s) {
     const palp_palpation *p = &s->found;
-    printf("%s: evidence %.1f nats in %zu presses; found from %.1f on\n",
-           p->found ? "A ball of another stiffness is there" : "No ball is found", p->evidence, s->n,
-           log((1.0 - o->false_alarm) / o->false_alarm));
-    printf("Forces differ by %.2g %% from those of the tissue alone%s\n", 100.0 * p->scatter,
-           p->found ? ":" : "; the best ball is");
     print_value("x", &p->x_m, 1e3, "mm");
     print_value("y", &p->y_m, 1e3, "mm");
     print_value("z", &p->z_m, 1e3, "mm");
@@ -213,28 +223,76 @@ static void print_text(const inclusion_options *o, const inclusion *s) {
     print_value("stiffness", &p->stiffness, 1.0, "times");
     printf("  %-10s %8.3g mm, from the surface to the ball\n", "cover", 1e3 * cover_of_ball(s));
     printf("With this ball they differ by %.2g %%.\n", 100.0 * p->scatter_found);
+}
+
+static void print_layer(const palp_palpation *p) {
+    print_value("thickness", &p->thickness_m, 1e3, "mm");
+    print_value("stiffness", &p->layer_stiffness, 1.0, "times");
+    printf("With this layer they differ by %.2g %%.\n", 100.0 * p->scatter_layer);
+}
+
+/* The layer is more probable than the ball. */
+static bool is_layer(const palp_palpation *p) {
+    return p->evidence_layer > p->evidence;
+}
+
+static void print_text(const inclusion *s) {
+    static const char *const FOUND[] = {"Neither a ball nor a layer is found",
+                                        "A ball of another stiffness is there",
+                                        "A layer of another stiffness is there"};
+    const palp_palpation *p = &s->found;
+    const double most = fmax(0.0, fmax(p->evidence, p->evidence_layer)), none = exp(-most),
+                 ball = exp(p->evidence - most), layer = exp(p->evidence_layer - most),
+                 all = none + ball + layer;
+    printf("%s: evidence of a ball %.1f, of a layer %.1f nats over neither\n", FOUND[p->kind], p->evidence,
+           p->evidence_layer);
+    printf("Probabilities of a ball %.3f, a layer %.3f, neither %.3f in %zu presses\n", ball / all,
+           layer / all, none / all, s->n);
+    printf("Forces differ by %.2g %% from those of the tissue alone%s%s\n", 100.0 * p->scatter,
+           p->found ? ":" : "; the best ",
+           p->found      ? ""
+           : is_layer(p) ? "layer is"
+                         : "ball is");
+    if (is_layer(p))
+        print_layer(p);
+    else
+        print_ball(s);
     const double *next = next_place(s);
     if (next)
         printf("Press next at x = %.3g mm, z = %.3g mm.\n", 1e3 * next[0], 1e3 * next[2]);
 }
 
-static int answer(const inclusion_options *o, inclusion *s) {
+/* The more probable of both as a region. */
+static palp_region region_found(const inclusion *s) {
     const palp_palpation *p = &s->found;
+    palp_region region = {.name = "inclusion"};
+    if (is_layer(p)) {
+        region.shape = PALP_REGION_BOX;
+        region.stiffness = p->layer_stiffness.best;
+        palp_mesh_bounds(s->mesh, region.low_m, region.high_m);
+        region.low_m[1] = region.high_m[1] - p->thickness_m.best;
+    } else {
+        region.shape = PALP_REGION_SPHERE;
+        region.stiffness = p->stiffness.best;
+        region.centre_m[0] = p->x_m.best;
+        region.centre_m[1] = p->y_m.best;
+        region.centre_m[2] = p->z_m.best;
+        region.radius_m = p->radius_m.best;
+    }
+    return region;
+}
+
+static int answer(const inclusion_options *o, inclusion *s) {
     palp_error error = {PALP_OK, ""};
     if (o->out) {
-        palp_region *ball = &s->source.regions[s->source.n_regions++];
-        *ball = (palp_region){.name = "inclusion",
-                              .shape = PALP_REGION_SPHERE,
-                              .centre_m = {p->x_m.best, p->y_m.best, p->z_m.best},
-                              .radius_m = p->radius_m.best,
-                              .stiffness = p->stiffness.best};
+        s->source.regions[s->source.n_regions++] = region_found(s);
         const palp_status status = palp_model_write(&s->model, o->out, &error);
         if (status)
             return cli_status(NAME, status, &error);
     }
     if (o->json)
         return print_json(s);
-    print_text(o, s);
+    print_text(s);
     return CLI_OK;
 }
 

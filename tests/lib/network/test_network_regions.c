@@ -527,28 +527,42 @@ START_TEST(as_calculix_has_it) {
 END_TEST
 
 /* A region that moves and stiffens is one of a network made so, the later region and the cells' volume too.
- */
+ * A smooth surface is stiffer with it. */
 START_TEST(a_region_that_moves) {
     const palp_material m = spring_with_arm(6.0, 2.0, 1.0);
     palp_region before[2] = {nodule(3.0), layer("layer", 0.9 * HEIGHT, HEIGHT)}, after[2];
     before[1].stiffness = 5.0;
     memcpy(after, before, sizeof after);
-    after[0].centre_m[1] = 0.8 * HEIGHT;
+    after[0].centre_m[0] = after[0].centre_m[1] = 0.8 * HEIGHT;
     after[0].stiffness = 11.0;
     palp_mesh *old = solid_cube(5), *new = solid_cube(5);
     palp_network *moved = with_regions(old, &m, 0.4, 2, before), *made = with_regions(new, &m, 0.4, 2, after);
+    const palp_tool tool = {.shape = PALP_TOOL_SPHERE,
+                            .position_m = {HEIGHT + 4e-3, 0.8 * HEIGHT, 0.5 * HEIGHT},
+                            .radius_m = 5e-3};
+    palp_contact_settings touch = palp_contact_settings_default();
+    palp_tool_force felt[2];
     const double *part;
+    touch.subdivisions = 1;
+    ck_assert_int_eq(palp_network_enable_tools(moved, 1, 0, &touch), PALP_OK);
+    ck_assert_int_eq(palp_network_enable_tools(made, 1, 0, &touch), PALP_OK);
     ck_assert_int_eq(palp_mesh_region(palp_network_mesh(made), "nodule", &part), PALP_OK);
     ck_assert_int_eq(palp_network_step(moved, 1e-3, 0.1, NULL), PALP_OK);
     ck_assert_int_eq(network_change_region(moved, 0, part, 11.0), PALP_OK);
     for (size_t i = 0; i < made->n_elements; i++)
         ck_assert_double_eq_tol(moved->scale[i], made->scale[i], 1e-14 * made->scale[i]);
+    ck_assert_int_eq(palp_network_set_tools(moved, 1, &tool), PALP_OK);
+    ck_assert_int_eq(palp_network_set_tools(made, 1, &tool), PALP_OK);
     for (int i = 1; i <= 2; i++) {
         palp_step_info one, two;
         ck_assert_int_eq(palp_network_step(moved, 1e-3 * i, 0.1, &one), PALP_OK);
         ck_assert_int_eq(palp_network_step(made, 1e-3 * i, 0.1, &two), PALP_OK);
         ck_assert_double_eq_tol(one.force_N, two.force_N, 1e-9 * two.force_N);
+        ck_assert_int_eq(palp_network_tool_force(moved, &felt[0]), PALP_OK);
+        ck_assert_int_eq(palp_network_tool_force(made, &felt[1]), PALP_OK);
+        ck_assert_double_eq_tol(felt[0].force_N[0], felt[1].force_N[0], 1e-9 * fabs(felt[1].force_N[0]));
     }
+    ck_assert_double_gt(fabs(felt[1].force_N[0]), 1e-3);
     palp_mesh_free(old);
     palp_mesh_free(new);
     palp_network_free(moved);
