@@ -182,6 +182,16 @@ bool contact_set_refresh(contact_set *set, const double *committed, const double
 void contact_set_finish(contact_set *set, const double *x);
 void contact_set_swap(contact_set *set);
 
+/* Largest friction force of a contact, N. */
+double contact_friction_limit(const contact_set *set, const contact *c);
+
+/* Error of its force at the last evaluation by errors of friction's history, N; and what the history has of
+ * it after this step. Its point may be off by off[3] from the tool, m; where that is NULL its force by error,
+ * N. */
+double contact_force_doubt(const contact_set *set, const contact *c);
+contact_doubt contact_doubt_to_keep(const contact_set *set, const contact *c, const double *off,
+                                    double error);
+
 /* Error of the forces at the last evaluation by errors of friction's history, summed, N. */
 double contact_set_doubt(const contact_set *set);
 

@@ -26,6 +26,7 @@ typedef struct self_touch {
     double outward[3]; /* normal of the triangle */
     double depth;      /* in it, m */
     double stretch[3]; /* of friction's spring, m */
+    contact_doubt doubt;
 } self_touch;
 
 typedef struct self_state {
@@ -312,6 +313,8 @@ static bool try_contact_of_pair(const self_term *t, const palp_network *net, con
     c->stiffness = t->set.settings.stiffness * net->modulus *
                    fmin(net->unit[pair->node], mean_unit_of_triangle(net, node));
     c->touched = t->now.touch[pair->node].touches;
+    c->doubt = t->now.touch[pair->node].doubt;
+    memcpy(c->was, t->now.touch[pair->node].stretch, sizeof c->was);
     c->entry = c->touched ? 1.0 : 0.0;
     return true;
 }
@@ -459,6 +462,33 @@ static void finish_self_step(network_term *term, palp_network *net) {
     }
 }
 
+static void add_self_uncertainty(const network_term *term, const palp_network *net, double *sum) {
+    const self_term *t = (const self_term *)term;
+    (void)net;
+    for (size_t i = 0; i < t->n_contacts; i++)
+        *sum += contact_force_doubt(&t->set, &t->contact[i].contact);
+}
+
+/* The node, which is the tool, is off as well as the triangle. */
+static void keep_self_uncertainty(network_term *term, palp_network *net, const double *change, double error) {
+    self_term *t = (self_term *)term;
+    double all = 0.0;
+    (void)net;
+    for (size_t i = 0; i < t->n_contacts; i++)
+        all += contact_friction_limit(&t->set, &t->contact[i].contact);
+    for (size_t i = 0; i < t->n_contacts && all > 0.0; i++) {
+        const contact *c = &t->contact[i].contact;
+        const int32_t node = t->contact[i].node;
+        double off[3];
+        if (change) {
+            contact_point(c, c->stick_share, change, off);
+            along3(off, -1.0, change + 3 * node, off);
+        }
+        t->next.touch[node].doubt = contact_doubt_to_keep(&t->set, c, change ? off : NULL,
+                                                          error * contact_friction_limit(&t->set, c) / all);
+    }
+}
+
 /* ---- tangent and energy -------------------------------------------------------------------------- */
 
 static void take_self_blocks(const network_term *term, const palp_network *net, network_block_taker take,
@@ -566,6 +596,8 @@ static const network_term_kind SELF = {.reset = reset_self_contacts,
                                        .times = multiply_self_tangent,
                                        .whole_times = multiply_whole_self_tangent,
                                        .energy = add_self_energy,
+                                       .doubt = add_self_uncertainty,
+                                       .keep_doubt = keep_self_uncertainty,
                                        .refresh = refresh_self_contacts};
 
 network_term *contact_self_new(const palp_network *net, const palp_contact_settings *settings) {

@@ -286,8 +286,7 @@ void contact_set_finish(contact_set *set, const double *x) {
 
 /* ---- errors that friction remembers ---------------------------------------------------------------- */
 
-/* Largest friction force of a contact, N. */
-static double friction_limit_of_contact(const contact_set *set, const contact *c) {
+double contact_friction_limit(const contact_set *set, const contact *c) {
     return c->depth > 0.0 ? set->pose[c->tool].friction * contact_normal_force(c) : 0.0;
 }
 
@@ -313,13 +312,17 @@ static contact_doubt doubt_after_slip(const contact_set *set, const contact *c) 
                                      (c->doubt.across + turn * c->doubt.along)};
 }
 
+double contact_force_doubt(const contact_set *set, const contact *c) {
+    if (!(contact_friction_limit(set, c) > 0.0))
+        return 0.0;
+    const contact_doubt doubt = doubt_after_slip(set, c);
+    return doubt.across + doubt.along;
+}
+
 double contact_set_doubt(const contact_set *set) {
     double sum = 0.0;
     for (size_t i = 0; i < set->n_contacts; i++)
-        if (friction_limit_of_contact(set, &set->contact[i]) > 0.0) {
-            const contact_doubt doubt = doubt_after_slip(set, &set->contact[i]);
-            sum += doubt.across + doubt.along;
-        }
+        sum += contact_force_doubt(set, &set->contact[i]);
     return sum;
 }
 
@@ -343,31 +346,36 @@ static void add_error_of_slip(const contact_set *set, const contact *c, const do
     }
 }
 
+contact_doubt contact_doubt_to_keep(const contact_set *set, const contact *c, const double *off,
+                                    double error) {
+    const double most = contact_friction_limit(set, c);
+    contact_doubt doubt = {0.0, 0.0};
+    if (!(most > 0.0))
+        return doubt;
+    doubt = doubt_after_slip(set, c);
+    if (off) {
+        add_error_of_slip(set, c, off, &doubt);
+    } else if (c->kept < 1.0 || !c->touched) {
+        doubt.along = fmax(doubt.along, error);
+        doubt.across += (1.0 - c->kept) * doubt.along;
+    }
+    return (contact_doubt){fmin(doubt.along, 2.0 * most), fmin(doubt.across, 2.0 * most)};
+}
+
 void contact_set_keep_doubt(contact_set *set, const double *change, double error) {
     double all = 0.0;
     contact_touch *t = set->next.touch;
     for (size_t i = 0; i < set->n_contacts; i++)
-        all += friction_limit_of_contact(set, &set->contact[i]);
+        all += contact_friction_limit(set, &set->contact[i]);
     for (size_t i = 0; i < set->n_contacts; i++) {
         const contact *c = &set->contact[i];
         if (!(c->depth > 0.0))
             continue;
-        const double most = friction_limit_of_contact(set, c);
+        const double share = all > 0.0 ? contact_friction_limit(set, c) / all : 0.0;
         double off[3];
-        t->doubt = (contact_doubt){0.0, 0.0};
-        if (most > 0.0) {
-            t->doubt = doubt_after_slip(set, c);
-            if (change) {
-                contact_point(c, c->stick_share, change, off);
-                add_error_of_slip(set, c, off, &t->doubt);
-            } else if (c->kept < 1.0 || !c->touched) {
-                t->doubt.along = fmax(t->doubt.along, error * most / all);
-                t->doubt.across += (1.0 - c->kept) * t->doubt.along;
-            }
-            t->doubt.along = fmin(t->doubt.along, 2.0 * most);
-            t->doubt.across = fmin(t->doubt.across, 2.0 * most);
-        }
-        t++;
+        if (change)
+            contact_point(c, c->stick_share, change, off);
+        (t++)->doubt = contact_doubt_to_keep(set, c, change ? off : NULL, error * share);
     }
 }
 

@@ -276,6 +276,44 @@ START_TEST(touch_and_part_in_ticks) {
 }
 END_TEST
 
+/* The upper cube goes down and to and fro on the lower one, with few corrections a tick. What friction
+ * between them keeps of the error of earlier ticks is in the estimate. */
+START_TEST(estimate_with_friction) {
+    enum { TICKS = 400 };
+    const palp_support supports[] = {{"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0}},
+                                     {"upper.top", {PALP_DRIVEN, PALP_DRIVEN, PALP_FIXED}, {1.5, -1, 0}}};
+    const palp_realtime_settings settings = palp_realtime_settings_default();
+    const palp_network_settings plain = palp_network_settings_default();
+    const palp_contact_settings touch = touching(0.3);
+    const palp_material m = linear();
+    const palp_budget budget = {.corrections = (size_t)_i};
+    palp_network *net[2] = {NULL, NULL};
+    palp_realtime *rt = NULL;
+    for (int k = 0; k < 2; k++) {
+        palp_mesh *mesh = two_cubes(4, 5, 0.0, 0.3, 0.0);
+        ck_assert_int_eq(palp_network_create(mesh, &m, 2, supports, &plain, &net[k], NULL), PALP_OK);
+        ck_assert_int_eq(palp_network_enable_tools(net[k], 0, 0, &touch), PALP_OK);
+        palp_mesh_free(mesh);
+    }
+    ck_assert_int_eq(palp_realtime_create(net[0], &settings, &rt), PALP_OK);
+    double peak = 0.0, worst = 0.0;
+    for (int i = 1; i <= TICKS; i++) {
+        palp_tick_info tick;
+        palp_step_info step;
+        const double depth = fmin(1e-5 * i, 2e-3) + (i > 200 ? 3e-4 * sin(0.05 * (i - 200)) : 0.0);
+        ck_assert_int_eq(palp_realtime_step(rt, depth, 1e-3, &budget, &tick), PALP_OK);
+        ck_assert_int_eq(palp_network_step(net[1], depth, 1e-3, &step), PALP_OK);
+        const double off = fabs(tick.force_N - step.force_N);
+        peak = fmax(peak, fabs(step.force_N));
+        worst = fmax(worst, off - tick.force_error_N);
+    }
+    ck_assert_msg(worst <= 1e-6 * peak, "%g beyond the estimate, of %g", worst, peak);
+    palp_realtime_free(rt);
+    palp_network_free(net[0]);
+    palp_network_free(net[1]);
+}
+END_TEST
+
 /* The upper cube is led sideways: without friction the lower one feels no pull, with a little of it slips at
  * the limit, with much it is sheared along. */
 START_TEST(friction_between_tissues) {
@@ -405,6 +443,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, cubes_bounce);
     tcase_add_test(tc, cubes_bounce_in_ticks);
     tcase_add_test(tc, touch_and_part_in_ticks);
+    tcase_add_loop_test(tc, estimate_with_friction, 1, 4);
     tcase_add_test(tc, friction_between_tissues);
     tcase_add_test(tc, lips_of_a_cut_close);
     tcase_add_test(tc, saved_state_goes_on);
