@@ -108,7 +108,10 @@ static int read_network(const char *file, check_state *c) {
     c->height_m = c->high[1] - c->low[1];
     c->section_m2 = (c->high[0] - c->low[0]) * (c->high[2] - c->low[2]);
     if (c->source.n_regions > 0)
-        return cli_failure(NAME, "%s: has regions, but the force is known of one solid alone", file);
+        return cli_failure(NAME,
+                           "%s: has regions, but the force is known of a solid of one material alone: check "
+                           "the network without them",
+                           file);
     if (!is_box(c))
         return cli_failure(NAME, "%s: is no box, for which alone the force of a solid is known", file);
     palp_law_stiffness(&c->model.material.law, 0.0, &rest, NULL);

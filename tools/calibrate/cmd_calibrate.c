@@ -116,7 +116,7 @@ static size_t output_options(calibrate_options *o, cli_option *to) {
 
 static size_t check_options_of(calibrate_options *o, cli_option *to) {
     const cli_option options[] = {
-        cli_heading("Check under tools (of a finished network, a box)"),
+        cli_heading("Check under tools (of a finished network, a box without regions)"),
         cli_in("check", "NETWORK.json", &o->check,
                "instead: press spheres into it and list their force relative to that of\n"
                "the solid that it models; --out writes it with its \"validity\""),
