@@ -271,8 +271,8 @@ static int measure_lattice(int first, int last) {
                               .radius_m = 0.004,
                               .stiffness = 1.0};
     palp_palpation_press coarse[N], fine[N], finest[N];
-    double taken[N], left[N], ratio, sum = 0.0, squares = 0.0;
-    const int n = plan_presses(PLACES, 1, TIP, DEPTH, coarse), cases = last - first + 1;
+    double taken[N], left[N], balls = 0.0, sum = 0.0, squares = 0.0;
+    const int n = plan_presses(PLACES, 1, TIP, DEPTH, coarse);
     memcpy(fine, coarse, sizeof fine);
     memcpy(finest, coarse, sizeof finest);
     map_presses(COARSE, &none, n, coarse);
@@ -283,6 +283,8 @@ static int measure_lattice(int first, int last) {
         stream s;
         double was = 0.0, is = 0.0;
         const palp_region ball = hide_ball(number, &s);
+        if (ball.stiffness == 1.0)
+            continue;
         map_presses(COARSE, &ball, n, coarse);
         map_presses(FINEST, &ball, n, finest);
         compare_maps(n, finest, coarse, left);
@@ -290,25 +292,26 @@ static int measure_lattice(int first, int last) {
             was += taken[i] * taken[i] / n;
             is += (left[i] - taken[i]) * (left[i] - taken[i]) / n;
         }
-        ratio = log(is / was);
-        sum += ratio / cases;
-        squares += ratio * ratio / cases;
+        const double ratio = log(is / was);
+        balls += 1.0;
+        sum += ratio;
+        squares += ratio * ratio;
         printf("%4d %9.3g %8.2f %% %8.2f %%\n", number, ball.stiffness, 100.0 * sqrt(was), 100.0 * sqrt(is));
         fflush(stdout);
     }
-    const double variance = (squares - sum * sum) * cases / (cases - 1), own = trigamma(0.5 * (n - 1));
+    const double variance = (squares - sum * sum / balls) / (balls - 1.0),
+                 own = variance - trigamma(0.5 * (n - 1));
     double low = 0.01, high = 1000.0;
     for (int i = 0; i < 60; i++) {
         const double middle = sqrt(low * high);
-        if (trigamma(0.5 * middle) > variance - own)
+        if (trigamma(0.5 * middle) > own)
             low = middle;
         else
             high = middle;
     }
-    printf("left over the correction: geometric mean %.2f, sd of the logarithm of its square %.2f: %.2g "
-           "degrees of "
-           "freedom\n",
-           exp(0.5 * sum), sqrt(variance), low);
+    printf(
+        "left over the correction: %.2f in the geometric mean of %.0f balls, as of %.2g degrees of freedom\n",
+        exp(0.5 * sum / balls), balls, low);
     return 0;
 }
 

@@ -18,8 +18,9 @@ static const char REGION[] = "palpation.region";
 
 enum { MOST_PLACE = 4, MOST_ALL = MOST_PLACE + 2 }; /* parameters of place and size; stiffness and gain too */
 enum { LEVELS = 2 }; /* states of a press: at half its depth and at all of it */
-enum { KNOWN = 4, STIFFNESSES = 7, STARTS = 3, SCAN = 5, THICKNESSES = 8, FEWEST = 8 };
+enum { STIFFNESSES = 7, STARTS = 3, SCAN = 5, THICKNESSES = 8, FEWEST = 8 };
 static const double STIFFNESS[STIFFNESSES] = {1.5, 2.2, 3.5, 6.0, 12.0, 25.0, 50.0}; /* or one over these */
+static const double KNOWN = 4.0;      /* degrees of freedom of the prior of errors (doc/palpation.md) */
 static const double FIRST = 6.0;      /* the one that is tried first */
 static const double SCANNED = 1.5;    /* that of the scan, which is linear in its logarithm */
 static const double SOFT = 0.15;      /* half width of the region's edge, in mean edges of the mesh */
@@ -773,7 +774,7 @@ static palp_status press_tissue_alone(search *s, palp_error *error) {
 
 /* A lattice has an error at its borders and between its nodes. It is measured against a finer lattice of the
  * tissue alone, as log[n] of the forces. It is taken to be the same with a region. The finer lattice has an
- * error as well. Its prior size is the same, which counts as so many presses. */
+ * error as well, with a prior of the same size. */
 static palp_status measure_lattice_error(const search *s, double *more) {
     search fine = *s;
     memset(more, 0, s->n * sizeof *more);
