@@ -71,7 +71,7 @@ for ramp in "4 1" "6 2" "7 0.5" "4 1"; do
     expect 0 simulate power.json --protocol ramp_hold --depth-mm $1 --ramp-s $2 --hold-s 20 --sample-Hz 40 --air-s 1 --noise-N 0.004 --seed $n \
         --out power_$n.csv
 done
-expect 0 explain --false-alarm 0.0005 --model guess.json power_?.csv --candidates power_law_relaxation,poroelastic,relaxation_arm --next next.json --json && mv out explain_power.json
+expect 0 explain --false-alarm 0.0001 --model guess.json power_?.csv --candidates power_law_relaxation,poroelastic,relaxation_arm --next next.json --json && mv out explain_power.json
 [ -s next.json ] || fail "no next experiment: $(grep verdict explain_power.json)"
 grep -q '"nats"' explain_power.json || fail "no odds of the next experiment"
 # Without arms and effects the dwells become a free term.
