@@ -36,8 +36,12 @@ else
 fi
 "$palpate" rig --firmware $firmware --until-s 0.001 >/dev/null 2>"$out/rig.txt"
 say "Recording four presses; the indenter's firmware runs as $(sed -n 's/^running //p' "$out/rig.txt")."
+# Firmware and motor exchange messages each millisecond. On one core neither waits until another core wakes up.
+one_core=
+first=$(taskset -cp $$ 2>/dev/null | sed 's/.*: *//; s/[-,].*//')
+[ -z "$first" ] || one_core="taskset -c $first"
 # shellcheck disable=SC2086
-{ "$palpate" acquire --port rig:$phantom --firmware $firmware $protocol --out "$runs" 2>&1 && echo done; } |
+{ $one_core "$palpate" acquire --port rig:$phantom --firmware $firmware $protocol --out "$runs" 2>&1 && echo done; } |
     tee "$out/acquire.txt" |
     while IFS= read -r line; do
         case $line in
