@@ -67,6 +67,13 @@ static void make_model(size_t nodes, double poisson, palp_mesh_source *source, p
     bench_check(palp_law_polynomial(1, (double[]){8.18}, &model->material.law), "law");
 }
 
+/* A region that changes nothing. */
+static const palp_region NOTHING = {.name = "hidden",
+                                    .shape = PALP_REGION_SPHERE,
+                                    .centre_m = {0.012, 0.012, 0.012},
+                                    .radius_m = 0.004,
+                                    .stiffness = 1.0};
+
 /* Mean force over the deeper half, in small steps. */
 static double press(palp_network *net, palp_tool tool, double depth) {
     const double top = tool.position_m[1];
@@ -259,24 +266,19 @@ static double trigamma(double x) {
     return sum + (1.0 + 0.5 / x + s * (1.0 / 6.0 - s * (1.0 / 30.0 - s / 42.0))) / x;
 }
 
-/* The error of a lattice that remains after one 1.6 times as fine has corrected it without the ball, over the
- * correction, both as scatter of a map. Of a scaled inverse chi-squared distribution with k degrees of
+/* A lattice 1.6 times as fine corrects another without the ball. The error that remains with the ball, over
+ * the correction, both as scatter of a map. Of a scaled inverse chi-squared distribution with k degrees of
  * freedom the logarithm has the variance trigamma(k / 2); the scatter of a map adds its own. */
 static int measure_lattice(int first, int last) {
     enum { COARSE = 6, FINE = 9, FINEST = 14, PLACES = 4, N = PLACES * PLACES };
     static const double TIP = 0.005;
-    const palp_region none = {.name = "hidden",
-                              .shape = PALP_REGION_SPHERE,
-                              .centre_m = {0.012, 0.012, 0.012},
-                              .radius_m = 0.004,
-                              .stiffness = 1.0};
     palp_palpation_press coarse[N], fine[N], finest[N];
     double taken[N], left[N], balls = 0.0, sum = 0.0, squares = 0.0;
     const int n = plan_presses(PLACES, 1, TIP, DEPTH, coarse);
     memcpy(fine, coarse, sizeof fine);
     memcpy(finest, coarse, sizeof finest);
-    map_presses(COARSE, &none, n, coarse);
-    map_presses(FINE, &none, n, fine);
+    map_presses(COARSE, &NOTHING, n, coarse);
+    map_presses(FINE, &NOTHING, n, fine);
     compare_maps(n, fine, coarse, taken);
     printf("%4s %9s %10s %10s\n", "case", "stiffness", "correction", "left");
     for (int number = first; number <= last; number++) {
@@ -323,15 +325,10 @@ int main(int argc, char **argv) {
     if (argc > 3 && strcmp(argv[1], "lattice") == 0)
         return measure_lattice(atoi(argv[2]), atoi(argv[3]));
     const int first = argc > 2 ? atoi(argv[1]) : 1, last = argc > 2 ? atoi(argv[2]) : 4;
-    const palp_region none = {.name = "hidden",
-                              .shape = PALP_REGION_SPHERE,
-                              .centre_m = {0.012, 0.012, 0.012},
-                              .radius_m = 0.004,
-                              .stiffness = 1.0};
     palp_palpation_press bare[PRESSES];
     int found = 0, layers = 0, felt = 0, found_felt = 0, balls = 0, false_alarms = 0, inside = 0;
     plan_presses(GRID, 1, RADIUS, DEPTH, bare);
-    map_presses(TRUE_NODES, &none, PRESSES, bare);
+    map_presses(TRUE_NODES, &NOTHING, PRESSES, bare);
     printf("best (95 %% interval) / truth\n%4s %6s %6s %8s %8s %5s %22s %22s %22s %22s %22s\n", "case",
            "change", "s", "ball", "layer", "left", "x, mm", "y, mm", "z, mm", "radius, mm", "stiffness");
     for (int number = first; number <= last; number++) {

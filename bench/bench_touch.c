@@ -6,6 +6,7 @@
  * instead of the solid's law.
  */
 #include "bench.h"
+#include "../tests/lib/tip_places.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -129,24 +130,9 @@ static void press_all(const palp_mesh *mesh, size_t side, double poisson,
 
 /* ---- other places ---------------------------------------------------------------------------------- */
 
-/* A row of data/tips/places.csv: a force of CalculiX over G times the square of the height; lengths in mm. */
-struct row {
-    char face[8]; /* top: x and z from two edges of it; side: x above the floor */
-    double radius, length, x, z, poisson, depth, force;
-};
-
-/* The next row to compare with. */
-static bool read_row(FILE *file, struct row *r) {
-    while (fscanf(file, " %7[^,],%lf,%lf,%lf,%lf,%lf,%lf,%*d,%*f,%lf", r->face, &r->radius, &r->length, &r->x,
-                  &r->z, &r->poisson, &r->depth, &r->force) == 8)
-        if (r->force > 0.0)
-            return true;
-    return false;
-}
-
 /* Presses there, shifted along z by a part of an edge. */
 static void press_place(const palp_mesh *mesh, const palp_material *material,
-                        const palp_contact_settings *touch, const struct row *r, double shift,
+                        const palp_contact_settings *touch, const tip_place *r, double shift,
                         double force[DEPTHS]) {
     const bool side = r->face[0] == 's';
     const double outside = BENCH_SIZE + 1e-3 * r->radius, x = 1e-3 * r->x;
@@ -167,10 +153,10 @@ static void press_places(const palp_mesh *mesh, size_t side, double poisson,
     const double shear = modulus_by_plate(mesh, &material, poisson);
     const double shift = 0.5 * BENCH_SIZE / (double)(side - 1);
     double force[2][DEPTHS], low[DEPTHS] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[DEPTHS] = {0.0};
-    FILE *file = fopen("data/tips/places.csv", "r");
-    if (!file || fscanf(file, "%*[^\n]") != 0)
+    FILE *file = tip_places_open();
+    if (!file)
         bench_check(PALP_ERR_INPUT, "data/tips/places.csv");
-    for (struct row r; read_row(file, &r);) {
+    for (tip_place r; tip_place_read(file, &r);) {
         size_t d = 0;
         if (r.poisson != poisson)
             continue;

@@ -61,8 +61,8 @@ PALP_API palp_palpation_settings palp_palpation_settings_default(void);
 
 /* Looks for a ball, and for a layer at the surface, in a network model that was calibrated without. The model
  * stands on its "bottom" and is fully relaxed. Unless the gain is known, a common factor of all forces is
- * fitted, so that neither the tissue's stiffness nor its relaxation at the protocol's speed matter; then a
- * layer is only found by presses of several depths or radii. Errors of the logarithm of force are normal, of
+ * fitted. Neither the tissue's stiffness nor its relaxation at the protocol's speed matter then, and a layer
+ * is only found by presses of several depths or radii. Errors of the logarithm of force are normal, of
  * unknown size, and independent (doc/palpation.md). mesh: the model's, with its regions; a layer needs a flat
  * top. ERR_ARGUMENT: fewer than 8 presses, a tool that is no sphere, a number out of range; ERR_UNSUPPORTED:
  * the model has 8 regions, mass, or a law without potential; ERR_STOPPED; the statuses of

@@ -76,7 +76,7 @@ static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *ou
         status = find_alike(s, &rest, out, &better);
     *exchanged = *exchanged && !status && better != PALP_EFFECT_COUNT;
     if (*exchanged)
-        infer_search_take(s, &rest.trial[better].fit);
+        infer_search_exchange(s, &rest, better);
     if (!status && !*exchanged)
         status = find_gain(s, &rest, out);
     if (!status && !*exchanged)

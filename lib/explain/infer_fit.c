@@ -406,10 +406,13 @@ static double tails(const infer_fit *fit, const explain_run *run, const infer_sa
             sum += log(sample[i].certain) - sample[i].certain + 1.0;
             n += 1.0;
         }
-    for (size_t a = 0; a < INFER_SLOW && fit->noise.slow_freedom[a] > 0.0; a++)
+    for (size_t a = 0; a < INFER_SLOW && fit->noise.slow_freedom[a] > 0.0; a++) {
+        double slow = 0.0;
         for (size_t i = 1; i < run->n; i++)
-            all += infer_tail_evidence(fit->noise.slow_freedom[a], 1.0) +
-                   0.5 * fit->noise.slow_freedom[a] * (log(sample[i].steady[a]) - sample[i].steady[a] + 1.0);
+            slow += log(sample[i].steady[a]) - sample[i].steady[a] + 1.0;
+        all += ((double)run->n - 1.0) * infer_tail_evidence(fit->noise.slow_freedom[a], 1.0) +
+               0.5 * fit->noise.slow_freedom[a] * slow;
+    }
     return n * infer_tail_evidence(fit->noise.freedom, 1.0) + 0.5 * fit->noise.freedom * sum + all;
 }
 

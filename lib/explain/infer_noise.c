@@ -168,9 +168,12 @@ static void pull_back(const kept *k, size_t count, double *restrict r, double *r
             r[(size_t)a * count + c] += k->row[a] * x[c];
 }
 
-/* What the step to a sample adds to the variance of slow process a, if its innovations are normal. */
-static double gained_by(const infer_noise *noise, const kept *k, int a) {
-    return noise->slow[a] * noise->slow[a] * (1.0 - k->decay[a] * k->decay[a]);
+/* What the step to sample i adds to the variance of state a; the first sample has all of it. */
+static double gained_by(const infer_noise *noise, size_t i, const infer_sample *sample, const kept *k,
+                        int a) {
+    const double size = a == ENCODER ? noise->encoder : noise->slow[a],
+                 gained = size * size * (i > 0 ? 1.0 - k->decay[a] * k->decay[a] : 1.0);
+    return a == ENCODER || i == 0 ? gained : gained / sample->steady[a];
 }
 
 void infer_unwhiten(const infer_noise *noise, size_t n, const infer_sample *sample, const double *work,
@@ -181,7 +184,7 @@ void infer_unwhiten(const infer_noise *noise, size_t n, const infer_sample *samp
         inverse[i] = look_back(&all[i], v);
         pull_back(&all[i], 1, r, &x[i]);
         for (int a = 0; square && a < INFER_SLOW; a++) {
-            const double steady = sample[i].steady[a], gained = gained_by(noise, &all[i], a) / steady;
+            const double steady = sample[i].steady[a], gained = gained_by(noise, i, &sample[i], &all[i], a);
             square[i * INFER_SLOW + (size_t)a] = (1.0 + gained * (r[a] * r[a] - v[a][a])) / steady;
         }
         for (int a = 0; a < S; a++)
@@ -199,12 +202,8 @@ static void find_parts(const infer_noise *noise, size_t i, const infer_sample *s
     part[INFER_BY_WHITE] = noise->white * noise->white / precision;
     part[INFER_BY_DEPTH] = depth * depth / precision;
     part[INFER_BY_CLOCK] = clock * clock / precision;
-    for (int a = 0; a < S; a++) {
-        const double size = a == ENCODER ? noise->encoder : noise->slow[a];
-        part[INFER_BY_SLOW + a] = size * size * (i > 0 ? 1.0 - k->decay[a] * k->decay[a] : 1.0);
-        if (a != ENCODER && i > 0)
-            part[INFER_BY_SLOW + a] /= sample->steady[a];
-    }
+    for (int a = 0; a < S; a++)
+        part[INFER_BY_SLOW + a] = gained_by(noise, i, sample, k, a);
 }
 
 /* The score of Koopman and Shephard, Biometrika 79 (1992) 823. */

@@ -36,11 +36,6 @@ static void forget_without(infer_search *s) {
             infer_fit_free(&s->without[i]);
 }
 
-void infer_search_take(infer_search *s, infer_fit *other) {
-    infer_fit_exchange(&s->fit, other);
-    forget_without(s);
-}
-
 void infer_search_free(infer_search *s) {
     infer_trials_free(s);
     forget_without(s);
@@ -460,10 +455,16 @@ static double worth_over(const infer_search *s, const infer_search *rest) {
 }
 
 static void go_on_from(infer_search *s, infer_search *rest) {
+    forget_without(s);
     infer_fit_free(&s->fit);
     s->fit = rest->fit;
     s->drive_gain = rest->drive_gain;
     rest->fit.raw = NULL;
+}
+
+void infer_search_exchange(infer_search *s, infer_search *rest, int id) {
+    take(rest, id);
+    go_on_from(s, rest);
 }
 
 /* Removes an effect whose evidence is below the threshold, or exchanges one for a better one. A single one
@@ -499,7 +500,6 @@ palp_status infer_search_drop(infer_search *s) {
         status = infer_search_without(s, i, &rest);
         if (!status && worth_over(s, &rest) < infer_threshold(s->settings)) {
             go_on_from(s, &rest);
-            forget_without(s);
             status = infer_fit_converge(&s->fit, &s->data);
         } else if (!status)
             infer_fit_exchange(&s->without[i], &rest.fit);

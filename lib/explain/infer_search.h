@@ -63,8 +63,8 @@ palp_status infer_search_anew(infer_search *s, const infer_fit *base);
  * first. */
 palp_status infer_search_drop(infer_search *s);
 
-/* Another fit takes the place of the fit at hand, which then is in *other. */
-void infer_search_take(infer_search *s, infer_fit *other);
+/* Goes on with this trial of a search without an effect. */
+void infer_search_exchange(infer_search *s, infer_search *rest, int id);
 
 /* Whether a trial has a fit whose strength the runs determine, above the practical limit. */
 bool infer_may_be_named(const infer_search *s, const infer_trial *t);

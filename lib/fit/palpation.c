@@ -198,8 +198,8 @@ static palp_status work_of_held_nodes(search *s, double *work) {
     return status;
 }
 
-/* Fits the gain to the logarithms v[n], and returns it. Subtracts so much of their mean that the sum of
- * squares is that of the best gain, with the square of its own deviation in it. */
+/* Fits the gain to the logarithms v[n], and returns it. A share of their mean is subtracted. The sum of
+ * squares then is that of the best gain, with the square of its own deviation. */
 static double subtract_gain(const search *s, double *v) {
     const double mean = statistics_mean(v, s->n), left = 1.0 - s->gain_share;
     for (size_t i = 0; i < s->n; i++)

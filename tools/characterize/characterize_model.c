@@ -314,7 +314,8 @@ int characterize_model(const characterize_options *o, characterize_state *s) {
     progress_start(&bar, "fitting");
     int code = o->likelihood ? fit_plain(o, s) : fit_all(o, s, &bar);
     code = code || !o->likelihood ? code : characterize_likelihood(o, s);
-    code = code ? code : fit_plain(o, s); /* with the new contacts, and the degree of the law */
+    if (code == CLI_OK && o->likelihood)
+        code = fit_plain(o, s); /* with the new contacts, and the degree of the law */
     progress_finish(&bar);
     code = code ? code : characterize_compare(s);
     if (code == CLI_OK) {

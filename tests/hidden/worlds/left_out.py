@@ -3,8 +3,8 @@
     left_out.py DIR [--all] [OPTION...]      DIR: --out of run.sh; --all: where something is missing too;
                                              options of characterize, e.g. --likelihood
     left_out.py RUN.csv... [OPTION...]      the same of these runs, in % of the largest force of the run that is left out
-Of each case where nothing is missing the first and the middle run are left out in turn. What simulate --like misses them by, with the best zero and
-gain, is given in noise levels: one line a run, then the median and the largest. PALPATE is the command."""
+Of each case where nothing is missing the first and the middle run are left out in turn. What simulate --like misses them by,
+with the best zero and gain, is given in noise levels: one line a run, then the median and the largest. PALPATE is the command."""
 import glob
 import json
 import os

@@ -264,7 +264,7 @@ START_TEST(refused) {
 END_TEST
 
 void tests(TCase *tc) {
-    tcase_set_timeout(tc, 600);
+    tcase_set_timeout(tc, 300);
     tcase_add_test(tc, ball_is_found);
     tcase_add_test(tc, none_is_found);
     tcase_add_test(tc, units_do_not_matter);

@@ -1,18 +1,11 @@
 /* test_network_places.c: forces of tools on a cube, near its edges and on its side, against CalculiX. */
 #include "network_make.h"
+#include "tip_places.h"
 
 #include <palpate/indentation.h>
 #include <palpate/tool.h>
 
-#include <stdio.h>
-
 static const double SIDE = 0.024, YOUNG = 1e4;
-
-/* A row of data/tips/places.csv: a force over G times the square of the height; lengths in mm. */
-struct row {
-    char face[8]; /* top: x and z from two edges of it; side: x above the floor */
-    double radius, length, x, z, poisson, depth, force;
-};
 
 /* A network that is a solid, between plates or on its floor alone. */
 static palp_network *solid(size_t n, double poisson, size_t n_supports) {
@@ -48,7 +41,7 @@ static double modulus_by_plate(size_t n, double poisson) {
 }
 
 /* Its force on the tool of a row, that far along z of its place. */
-static double press(size_t n, const struct row *r, double along_m) {
+static double press(size_t n, const tip_place *r, double along_m) {
     const int axis = r->face[0] == 's' ? 0 : 1;
     palp_network *net = solid(n, r->poisson, 1);
     const palp_contact_settings touch = palp_contact_settings_default();
@@ -70,14 +63,6 @@ static double press(size_t n, const struct row *r, double along_m) {
     return felt.force_N[axis];
 }
 
-static bool read_row(FILE *file, struct row *r) {
-    while (fscanf(file, " %7[^,],%lf,%lf,%lf,%lf,%lf,%lf,%*d,%*f,%lf", r->face, &r->radius, &r->length, &r->x,
-                  &r->z, &r->poisson, &r->depth, &r->force) == 8)
-        if (r->force > 0.0)
-            return true;
-    return false;
-}
-
 /* There and half an edge further, over the solid's force with the same force of a plate. Bounds are what is
  * reached, rounded outwards. At 0.45 the plate takes 5 % with 7 nodes a side and 3 % with 11. */
 START_TEST(as_calculix_has_it) {
@@ -91,14 +76,14 @@ START_TEST(as_calculix_has_it) {
                  {11, 0.45, {0.91, 0.885}, 1.0}};
     const size_t n = BOUND[_i].nodes;
     const double shear = modulus_by_plate(n, BOUND[_i].poisson), edge = SIDE / (double)(n - 1);
-    FILE *file = fopen("data/tips/places.csv", "r");
+    FILE *file = tip_places_open();
     size_t compared = 0;
-    ck_assert(file && fscanf(file, "%*[^\n]") == 0);
-    for (struct row r; read_row(file, &r);) {
+    ck_assert_ptr_nonnull(file);
+    for (tip_place r; tip_place_read(file, &r);) {
         if (r.poisson != BOUND[_i].poisson || ((n > 7 || r.poisson > 0.45) && r.depth < 1.0))
             continue;
-        for (int k = 0; k < (n > 7 || r.z < 12.0 ? 1 : 2);
-             k++) { /* in the middle of z the shift hardly matters */
+        const int times = n > 7 || r.z < 12.0 ? 1 : 2; /* in the middle of z the shift hardly matters */
+        for (int k = 0; k < times; k++) {
             const double over = press(n, &r, 0.5 * edge * k) / (shear * r.force * SIDE * SIDE);
             ck_assert_msg(over > BOUND[_i].low[r.depth > 1.0] && over < BOUND[_i].high,
                           "%zu nodes, %g, %s, radius %g, length %g at %g, %g, %g deep: %.3f", n, r.poisson,
