@@ -52,6 +52,7 @@ typedef struct palp_model {
                                      = none, and there is neither a mesh to make nor a model to write */
     double density_kg_m3;         /* network only, 0 = massless */
     double volume_modulus_Pa, poisson_ratio; /* network only, 0 = none: see palp_network_settings */
+    bool edge_correction;                    /* network only: see palp_network_settings */
     /* [3] K_frac in N, tau_frac in s and exponent of the fractional element that the arms approximate; NULL =
      * none. The caller's; written only, and NULL when a model is read. */
     const double *fractional;

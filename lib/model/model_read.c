@@ -27,8 +27,8 @@ static palp_status read_model_version(const palp_json *root) {
     if (!status)
         status = palp_json_require(&palpate, "model", &model);
     if (!status && !(json_is_integer(model.value) && json_integer_value(model.value) >= 1 &&
-                     json_integer_value(model.value) <= 3))
-        status = palp_json_fail(&model, PALP_ERR_INPUT, "is not 1 to 3, the versions that this build reads");
+                     json_integer_value(model.value) <= 4))
+        status = palp_json_fail(&model, PALP_ERR_INPUT, "is not 1 to 4, the versions that this build reads");
     return status;
 }
 
@@ -242,7 +242,7 @@ static palp_status read_mesh_source(const palp_json *root, palp_mesh_source *sou
 }
 
 static palp_status read_network_members(const palp_json *root, palp_model *model, palp_mesh_source *source) {
-    palp_json density, volume, poisson;
+    palp_json density, volume, poisson, edges;
     palp_status status = read_mesh_source(root, source);
     model->mesh = source;
     if (!status && palp_json_member(root, "density_kg_m3", &density))
@@ -251,6 +251,8 @@ static palp_status read_network_members(const palp_json *root, palp_model *model
         status = palp_json_positive(&volume, &model->volume_modulus_Pa);
     if (!status && palp_json_member(root, "poisson_ratio", &poisson))
         status = palp_model_ratio_read(&poisson, model->volume_modulus_Pa, &model->poisson_ratio);
+    if (!status && palp_json_member(root, "edge_correction", &edges))
+        status = palp_json_bool(&edges, &model->edge_correction);
     if (!status)
         status = palp_model_regions_read(root, model, source);
     if (!status)
@@ -261,12 +263,12 @@ static palp_status read_network_members(const palp_json *root, palp_model *model
 }
 
 palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_mesh_source *source) {
-    /* the last six only in a network */
-    static const char *const keys[] = {"palpate",       "kind",       "specimen",      "stiffness",
-                                       "arms",          "dashpot_Ns", "quasi_linear",  "formulation",
-                                       "effects",       "fractional", "covariance",    "specimens",
-                                       "free_term",     "mesh",       "density_kg_m3", "volume_modulus_Pa",
-                                       "poisson_ratio", "validity",   "regions"};
+    /* the last seven only in a network */
+    static const char *const keys[] = {
+        "palpate",           "kind",          "specimen",        "stiffness", "arms",
+        "dashpot_Ns",        "quasi_linear",  "formulation",     "effects",   "fractional",
+        "covariance",        "specimens",     "free_term",       "mesh",      "density_kg_m3",
+        "volume_modulus_Pa", "poisson_ratio", "edge_correction", "validity",  "regions"};
     palp_json mesh;
     double *covariance = NULL, *between = NULL;
     size_t n_specimens;
@@ -279,7 +281,7 @@ palp_status palp_model_from_json(const palp_json *root, palp_model *model, palp_
     if (!status && !network && palp_json_member(root, "mesh", &mesh))
         status = palp_json_fail(&mesh, PALP_ERR_INPUT, "is only for models of kind \"network\"");
     if (!status)
-        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 6, keys);
+        status = palp_json_keys(root, network ? COUNT(keys) : COUNT(keys) - 7, keys);
     if (!status)
         status = read_specimen_size(root, model);
     if (!status)

@@ -409,6 +409,8 @@ static palp_status print_network_members(const writer *w, const palp_model *mode
     print_positive(w, "\"density_kg_m3\": ", model->density_kg_m3);
     print_positive(w, "\"volume_modulus_Pa\": ", model->volume_modulus_Pa);
     print_positive(w, "\"poisson_ratio\": ", model->poisson_ratio);
+    if (model->edge_correction)
+        fprintf(w->stream, "%s\"edge_correction\": true", w->between);
     print_validity(w, model);
     return status ? status : print_regions(w, model->mesh);
 }
@@ -419,9 +421,10 @@ static palp_status print_complete_model(const writer *w, const palp_model *model
     if (!palp_locale_enter(&locale))
         return PALP_ERR_NO_MEMORY;
     fprintf(w->stream, "%s\"palpate\": {\"model\": %d}", w->open,
-            model->n_free > 0                       ? 3
+            network && model->edge_correction       ? 4
+            : model->n_free > 0                     ? 3
             : network && model->mesh->n_regions > 0 ? 2
-                                                    : 1); /* older builds do not read free terms or regions */
+                                                    : 1); /* older builds do not read these members */
     fprintf(w->stream, "%s\"kind\": \"%s\"", w->between, network ? "network" : "lumped");
     print_specimen_size(w, model);
     print_element_material(w, &model->material);

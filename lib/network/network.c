@@ -25,6 +25,7 @@ void network_take_settings(const palp_model *model, palp_network_settings *s) {
     s->density_kg_m3 = model->density_kg_m3;
     s->volume_modulus_Pa = model->volume_modulus_Pa;
     s->poisson_ratio = model->poisson_ratio;
+    s->edge_correction = model->edge_correction;
     s->n_regions = model->mesh ? model->mesh->n_regions : 0;
     s->regions = model->mesh ? model->mesh->regions : NULL;
 }
@@ -176,9 +177,11 @@ static palp_status build_network_from_mesh(palp_network *net, const palp_mesh *m
     if (!status)
         status = allocate_network_arrays(net);
     if (!status)
-        status = network_scale_elements(net);
-    if (!status)
         status = number_free_unknowns(net, n_supports, supports, error);
+    if (!status && !net->ranks)
+        status = network_find_edges(net, n_supports, supports);
+    if (!status)
+        status = network_scale_elements(net);
     if (status)
         return status;
     measure_rest_lengths(net);

@@ -80,6 +80,7 @@ struct palp_network {
                                     network's   own, bit r + 1 for region r's */
     signed char *region_of_node; /* [n_nodes] the region that has most of the solids around a node, or -1;
                                     NULL without regions */
+    double *edge;                /* [mesh_solids] network_edge_factors, or NULL = all 1 */
     double *stiffer;             /* [n_nodes] a node's stiffness over what it is without regions, or NULL */
     const int32_t *dead;         /* [n_dead] elements that are cut; belongs to a term */
     size_t n_dead;
@@ -200,14 +201,18 @@ palp_status network_take_regions(palp_network *net, palp_error *error);
 /* Do the regions allow this as the network's own material? */
 bool network_may_have_material(const palp_network *net, const palp_material *material);
 
+/* Sets edge of a network that wants it. Errors as network_edge_factors. */
+palp_status network_find_edges(palp_network *net, size_t n_supports, const palp_support *supports);
+
 /* Sets scale, where there is one, and the shares of materials. */
 palp_status network_scale_elements(palp_network *net);
 
 /* For the parts of a network whose regions have no material of their own: each element's force over that
- * without regions, element[n_elements], and network_volume_share times each solid's stiffness over that
- * without regions, solid[mesh_solids]. Errors as network_take_regions. */
+ * without regions and edges, element[n_elements], and network_volume_share times each solid's stiffness over
+ * that without them, solid[mesh_solids]. Errors as network_take_regions, and ERR_INPUT: no such node set. */
 palp_status network_scales_of_regions(const palp_mesh *mesh, const palp_material *material,
-                                      const palp_network_settings *settings, double *element, double *solid,
+                                      const palp_network_settings *settings, size_t n_supports,
+                                      const palp_support *supports, double *element, double *solid,
                                       palp_error *error);
 
 /* Gives a region that only is stiffer another place, part[n_tetrahedra], and stiffness; resets the network.
@@ -239,6 +244,17 @@ void network_mean_of_solids(const palp_network *net, const double value[PALP_REG
 
 /* How far the elements' strains exceed the measured range of their materials; 0 = not, or not known. */
 double network_beyond(const palp_network *net, const double *strain);
+
+/* ---- network_edges.c ----------------------------------------------------------------------------- */
+
+/* Does this network want such factors: cells, scaled as a continuum, with the setting edge_correction? */
+bool network_has_edges(const palp_mesh *mesh, const palp_network_settings *settings);
+
+/* Factor of each cell's stiffness, of_solid[mesh_solids], by which the cells at an edge between a bonded face
+ * and a free one stand for the solid; 1 elsewhere. A face is bonded where supports hold all axes of its
+ * nodes. ERR_INPUT: no such node set; ERR_NO_MEMORY. */
+palp_status network_edge_factors(const palp_mesh *mesh, const palp_network_settings *settings,
+                                 size_t n_supports, const palp_support *supports, double *of_solid);
 
 /* ---- network_elements.c ---- */
 

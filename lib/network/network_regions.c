@@ -142,7 +142,8 @@ void network_mean_of_solids(const palp_network *net, const double value[PALP_REG
         mean[i] = 0.0;
         for (size_t r = 0; r <= net->n_regions; r++)
             mean[i] += part_of_solid(net, r, i / per_solid) * value[r] / ratio[r];
-        mean[i] *= stiffness_of_solid(net, ratio, i / per_solid, &sum);
+        mean[i] *= stiffness_of_solid(net, ratio, i / per_solid, &sum) *
+                   (net->edge ? net->edge[i / per_solid] : 1.0);
     }
 }
 
@@ -157,7 +158,7 @@ static palp_status find_shares(palp_network *net, double *factor) {
     palp_status status = stiffness ? PALP_OK : PALP_ERR_NO_MEMORY;
     find_ratios(net, ratio);
     for (size_t i = 0; i < n && !status; i++)
-        stiffness[i] = stiffness_of_solid(net, ratio, i, &sum[i]);
+        stiffness[i] = stiffness_of_solid(net, ratio, i, &sum[i]) * (net->edge ? net->edge[i] : 1.0);
     if (!status)
         status = mesh_mean_around_elements(net->mesh, stiffness, factor);
     for (size_t r = 0; r <= net->n_regions && net->base_share && !status; r++) {
@@ -272,10 +273,21 @@ static palp_status add_membrane(palp_network *net, network_region *region) {
     return status;
 }
 
+palp_status network_find_edges(palp_network *net, size_t n_supports, const palp_support *supports) {
+    size_t corners;
+    const int32_t *node;
+    if (!network_has_edges(net->mesh, &net->settings))
+        return PALP_OK;
+    net->edge = arena_take(&net->memory, mesh_solids(net->mesh, &corners, &node), sizeof *net->edge);
+    return net->edge ? network_edge_factors(net->mesh, &net->settings, n_supports, supports, net->edge)
+                     : PALP_ERR_NO_MEMORY;
+}
+
 palp_status network_scale_elements(palp_network *net) {
     const double *scale = palp_mesh_element_scale(net->mesh);
-    const double *regions = net->ranks ? net->ranks->element_scale : net->n_regions > 0 ? net->scale : NULL;
-    palp_status status = net->n_regions > 0 ? find_shares(net, net->scale) : PALP_OK;
+    const bool own = net->n_regions > 0 || net->edge;
+    const double *regions = net->ranks ? net->ranks->element_scale : own ? net->scale : NULL;
+    palp_status status = own ? find_shares(net, net->scale) : PALP_OK;
     for (size_t i = 0; i < net->n_elements && net->scale && !status; i++)
         net->scale[i] = (scale ? scale[i] : 1.0) * (regions ? regions[i] : 1.0);
     for (size_t r = 0; r < net->n_regions && !status; r++)
@@ -287,7 +299,8 @@ palp_status network_scale_elements(palp_network *net) {
 }
 
 palp_status network_scales_of_regions(const palp_mesh *mesh, const palp_material *material,
-                                      const palp_network_settings *settings, double *element, double *solid,
+                                      const palp_network_settings *settings, size_t n_supports,
+                                      const palp_support *supports, double *element, double *solid,
                                       palp_error *error) {
     palp_network net = {.mesh = (palp_mesh *)mesh, /* only read */
                         .n_nodes = mesh->n_nodes,
@@ -298,6 +311,8 @@ palp_status network_scales_of_regions(const palp_mesh *mesh, const palp_material
     const int32_t *node;
     double share[PALP_REGIONS_MAX + 1];
     palp_status status = network_take_regions(&net, error);
+    if (!status)
+        status = network_find_edges(&net, n_supports, supports);
     if (!status)
         status = find_shares(&net, element);
     if (!status) {

@@ -268,7 +268,8 @@ static uint64_t fingerprint_of_network(const palp_network *net) {
                                net->n_terms,
                                net->n_regions,
                                net->now.history.peak != NULL,
-                               net->settings.integrator};
+                               net->settings.integrator,
+                               net->edge != NULL};
     const double value[] = {net->settings.density_kg_m3, net->settings.volume_modulus_Pa,
                             net->settings.poisson_ratio, net->settings.spectral_radius};
     const double *scale = palp_mesh_element_scale(net->mesh);

@@ -351,7 +351,8 @@ static void derive_volume_modulus(network_term *term, palp_network *net) {
     }
     k[net->n_regions] = t->modulus;
     for (size_t i = 0; i < t->n_all; i++)
-        t->all_k[i] = scale ? modulus_of_share(t, s, scale[i / per_solid], stiffness[0]) : t->modulus;
+        t->all_k[i] = scale ? modulus_of_share(t, s, scale[i / per_solid], stiffness[0])
+                            : t->modulus * (net->edge ? net->edge[i / per_solid] : 1.0);
     if (net->n_regions > 0)
         network_mean_of_solids(net, k, t->n_all, per_solid, t->all_k);
     find_whole_solids(t, net);
@@ -384,6 +385,11 @@ double palp_network_volume_solids(const palp_network *net, size_t *n, size_t *co
     if (nodes)
         *nodes = t ? t->all : NULL;
     return t ? t->modulus : 0.0;
+}
+
+const double *palp_network_volume_moduli(const palp_network *net) {
+    const volume *t = net ? find_volume_term(net) : NULL;
+    return t ? t->all_k : NULL;
 }
 
 /* ---- making it ----------------------------------------------------------------------------------- */

@@ -158,14 +158,16 @@ static bool are_solids_joined(const palp_mesh *mesh) {
 /* The same for all elements and solids of the whole mesh, whose neighbours may be in other parts; for the
  * caller to free. */
 static palp_status find_scales(const palp_mesh *whole, const palp_material *material,
-                               const palp_network_settings *s, double **scale, palp_error *error) {
+                               const palp_network_settings *s, size_t n_supports,
+                               const palp_support *supports, double **scale, palp_error *error) {
     size_t corners;
     const int32_t *node;
     const size_t n = whole->n_elements + mesh_solids(whole, &corners, &node);
-    if (s->n_regions == 0)
+    if (s->n_regions == 0 && !network_has_edges(whole, s))
         return PALP_OK;
     *scale = malloc(n * sizeof **scale);
-    return *scale ? network_scales_of_regions(whole, material, s, *scale, *scale + whole->n_elements, error)
+    return *scale ? network_scales_of_regions(whole, material, s, n_supports, supports, *scale,
+                                              *scale + whole->n_elements, error)
                   : PALP_ERR_NO_MEMORY;
 }
 
@@ -209,16 +211,21 @@ palp_status palp_ranks_network(palp_ranks *ranks, const palp_model *model, const
     palp_mesh *made = NULL;
     double *scale = NULL;
     palp_supports_default(usual);
+    if (!supports) {
+        supports = usual;
+        n_supports = 2;
+    }
     network_take_settings(model, &own);
     palp_status status = refuse_unsupported(model, &own, error);
     if (!status && !mesh)
         status = part_agree(ranks->comm, palp_model_mesh(model, &made, error), error);
     const palp_mesh *whole = mesh ? mesh : made;
     if (!status)
-        status = part_agree(ranks->comm, find_scales(whole, &model->material, &own, &scale, error), error);
+        status = part_agree(ranks->comm,
+                            find_scales(whole, &model->material, &own, n_supports, supports, &scale, error),
+                            error);
     if (!status)
-        status = make_network(ranks, model, whole, scale, supports ? n_supports : 2,
-                              supports ? supports : usual, &own, tools, network, error);
+        status = make_network(ranks, model, whole, scale, n_supports, supports, &own, tools, network, error);
     free(scale);
     palp_mesh_free(made);
     return status;

@@ -14,7 +14,8 @@ enum { FORMAT = 1, NUMBERS = 12, VECTOR_HEADER = 8 };
 
 /* Distinguishes networks by mesh, supports and material; the same for any number of processes. */
 static double fingerprint(const part *p, const palp_network *net) {
-    const double volume[] = {net->settings.volume_modulus_Pa, net->settings.poisson_ratio};
+    const double volume[] = {net->settings.volume_modulus_Pa, net->settings.poisson_ratio,
+                             net->settings.edge_correction};
     uint64_t sum = network_sum_of_material(NETWORK_SUM, &net->material), nodes = 0;
     sum = network_sum(sum, volume, sizeof volume);
     for (size_t i = 0; i < p->n_nodes; i++)

@@ -65,4 +65,12 @@ solid cells cells.json 2.4 0.006
 sed 's/"poisson_ratio": 0.45, //' cells.json >springs.json
 expect 0 simulate springs.json --protocol static --depth-mm 2.4 --relaxed --json
 awk -v a="$ours" -v b="$(value out final_force_N)" 'BEGIN { exit !(a > 1.05 * b) }' || fail "Poisson's ratio makes no difference: $ours"
+# Cells at the edges of bonded faces are softer; and a stiff region with a ratio of its own.
+sed 's/"poisson_ratio"/"edge_correction": true, &/' cells.json >edges.json
+before=$ours
+solid edges edges.json 2.4 0.006
+awk -v a="$ours" -v b="$before" 'BEGIN { exit !(a < 0.95 * b) }' || fail "corrected edges make no difference: $ours"
+sed 's/"mesh"/"regions": [{"name": "nodule", "sphere": {"centre_mm": [4, 4, 4], "radius_mm": 1.5}, "stiffness_factor": 3, "poisson_ratio": 0.3}], &/' \
+    tetrahedra.json >nodule.json
+solid nodule nodule.json 1 3e-4
 done_testing

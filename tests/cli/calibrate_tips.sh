@@ -4,7 +4,7 @@
 
 cat >true.json <<'J'
 {"palpate": {"model": 1}, "kind": "network", "stiffness": {"kind": "polynomial", "coefficients_N": [8, 0, 40]},
- "arms": [{"stiffness_N": 6, "viscosity_Ns": 4.8}], "poisson_ratio": 0.42,
+ "arms": [{"stiffness_N": 6, "viscosity_Ns": 4.8}], "poisson_ratio": 0.42, "edge_correction": true,
  "mesh": {"kind": "lattice", "nodes": [4, 4, 4], "size_mm": [24, 24, 24], "scaling": "continuum"}}
 J
 slow="--protocol static --relaxed --depth-mm 2 --sample-Hz 2 --force"

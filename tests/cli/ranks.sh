@@ -55,10 +55,10 @@ both ball ball.json 2 --protocol ramp_hold --depth-mm 1 --hold-s 1 --dt-ms 250
 both sedef sedef.json 2 --protocol ramp_hold --depth-mm 2 --hold-s 1 --dt-ms 250
 
 # Cells and tetrahedra that resist a change of volume, also those between parts; regions with a ratio of their own.
-sed 's/"formulation"/"poisson_ratio": 0.45, "formulation"/' arms.json >cells.json
+sed 's/"formulation"/"poisson_ratio": 0.45, "edge_correction": true, "formulation"/' arms.json >cells.json
 sed 's/"formulation"/"poisson_ratio": 0.3, "formulation"/' ball.json >ball_volume.json
 sed 's/"formulation"/"volume_modulus_Pa": 20000, "formulation"/' elastic.json >modulus.json
-sed 's/"formulation"/"poisson_ratio": 0.45, "formulation"/; s/"stiffness_factor": 3/&, "poisson_ratio": 0.3/' regions.json >ratios.json
+sed 's/"formulation"/"poisson_ratio": 0.45, "edge_correction": true, "formulation"/; s/"stiffness_factor": 3/&, "poisson_ratio": 0.3/' regions.json >ratios.json
 sed 's/"formulation"/"volume_modulus_Pa": 20000, "formulation"/' regions.json >moduli.json
 for ranks in 1 2 3; do
     both cells cells.json $ranks --protocol ramp_hold --depth-mm 4 --hold-s 1 --dt-ms 500

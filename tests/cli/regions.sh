@@ -72,15 +72,15 @@ cat >lumped.json <<'J'
  "stiffness": {"kind": "polynomial", "coefficients_N": [8, 4]}, "arms": []}
 J
 expect 0 calibrate lumped.json --start factor.json --nodes 7 --stage static --depth-mm 6 --out fitted.json --json
-grep -q '"palpate": {"model": 2}' fitted.json || fail "the version of a model with regions"
+grep -q '"palpate": {"model": 4}' fitted.json || fail "the version of a model with corrected edges"
 grep -q '"name": "nodule", "sphere": {"centre_mm": \[12, 14, 12\], "radius_mm": 7}, "stiffness_factor": 10}' fitted.json || fail "regions: $(grep -A2 regions fitted.json)"
 expect 0 simulate fitted.json --protocol static --depth-mm 2 --relaxed --out network.csv
 expect 0 simulate lumped.json --protocol static --depth-mm 2 --relaxed --out lumped.csv
 near "force of the network" "$(last network.csv)" "$(last lumped.csv)" 0.01
 expect 1 calibrate --check factor.json
 grep -q 'has regions.*check the network without them' err || fail "check: $(cat err)"
-expect 1 export factor.json --depth-mm 1 --out deck.inp
-grep -q 'only their stiffness_factor can be exported' err || fail "export: $(cat err)"
+expect 1 export material.json --depth-mm 1 --out deck.inp
+grep -q 'only their stiffness_factor and poisson_ratio can be exported' err || fail "export: $(cat err)"
 
 expect 0 calibrate lumped.json --start capsule.json --nodes 5 --stage static --depth-mm 6 --out inside.json --json
 expect 0 simulate inside.json --protocol static --depth-mm 2 --relaxed --out network.csv

@@ -149,6 +149,7 @@ START_TEST(null_in_network) {
     NOTHING(!palp_network_unknown_count(NULL));
     NOTHING(palp_network_strain_max(NULL) == 0.0);
     NOTHING(palp_network_volume_solids(NULL, NULL, NULL, NULL) == 0.0);
+    NOTHING(!palp_network_volume_moduli(NULL));
     NOTHING(!palp_network_mesh(NULL));
     palp_network_element_force(NULL, numbers);
     palp_network_element_force(net, NULL);

@@ -88,8 +88,11 @@ static int choose_lattice(const calibrate_options *o, const calibrate_state *s, 
 static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
     palp_mesh_source *mesh = &s->source;
     s->model.mesh = mesh;
-    if (o->nodes.n)
-        return choose_lattice(o, s, mesh);
+    if (o->nodes.n) {
+        const int code = choose_lattice(o, s, mesh);
+        s->model.edge_correction = mesh->scaling == PALP_SCALING_CONTINUUM;
+        return code;
+    }
     if (o->mesh) {
         forget_mesh(mesh);
         mesh->kind = PALP_MESH_FILE;
@@ -99,6 +102,7 @@ static int choose_mesh(const calibrate_options *o, calibrate_state *s) {
         mesh->scaling = o->scaling < 0 ? PALP_SCALING_CONTINUUM : (palp_mesh_scaling)o->scaling;
         mesh->area_m2 = o->area_mm2 > 0 ? 1e-6 * o->area_mm2 : PI * s->lumped.radius_m * s->lumped.radius_m;
         strncpy(mesh->path, o->mesh, sizeof mesh->path - 1);
+        s->model.edge_correction = o->hex_diagonals && mesh->scaling == PALP_SCALING_CONTINUUM;
     }
     return CLI_OK; /* else that of --start */
 }

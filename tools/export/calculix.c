@@ -124,22 +124,44 @@ static palp_status write_springs(const calculix_deck *deck, FILE *to) {
  * 2 mu / alpha^2 (sum of l^alpha - 3 + (J^(-alpha b) - 1) / b), with the stretches l and b = nu / (1 - 2 nu).
  * With mu -+k / 2 and alpha 1 the sums cancel; b = -1 leaves k (J - 1), b near 0 leaves -k ln J. A cell has
  * one point of integration, as it has one J here. */
-static void write_solids(const calculix_deck *deck, FILE *to) {
+static void write_solid_group(size_t group, double modulus_Pa, FILE *to) {
+    const double mu_MPa = 0.5e-6 * modulus_Pa;
+    fprintf(to,
+            "*MATERIAL,NAME=VOLUME%zu\n*HYPERFOAM,N=2\n%.12g,1.,%.12g,1.,1.,1e-6\n"
+            "*SOLID SECTION,ELSET=SOLIDS%zu,MATERIAL=VOLUME%zu\n",
+            group, -mu_MPa, mu_MPa, group, group);
+}
+
+static bool same_modulus(double a, double b) {
+    return fabs(a - b) <= 1e-9 * fabs(b);
+}
+
+/* Writes an element set and a material for each modulus, within rounding. */
+static palp_status write_solids(const calculix_deck *deck, FILE *to) {
     static const int in_gmsh_order[8] = {0, 1, 3, 2, 4, 5, 7, 6}, as_given[4] = {0, 1, 2, 3};
     const int *order = deck->corners == 8 ? in_gmsh_order : as_given;
-    const double mu_MPa = 0.5e-6 * deck->volume_modulus_Pa;
-    size_t first = palp_mesh_element_count(deck->mesh) + 1;
-    fprintf(to, "*ELEMENT,TYPE=%s,ELSET=SOLIDS\n", deck->corners == 8 ? "C3D8R" : "C3D4");
-    for (size_t i = 0; i < deck->n_solids; i++) {
-        fprintf(to, "%zu", first + i);
-        for (size_t c = 0; c < deck->corners; c++)
-            fprintf(to, ",%d", deck->solids[deck->corners * i + (size_t)order[c]] + 1);
-        fputc('\n', to);
+    const size_t before = palp_mesh_element_count(deck->mesh) + 1;
+    bool *written = calloc(deck->n_solids + 1, sizeof *written);
+    size_t group = 0;
+    if (!written)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t first = 0; first < deck->n_solids; first++) {
+        if (written[first])
+            continue;
+        fprintf(to, "*ELEMENT,TYPE=%s,ELSET=SOLIDS%zu\n", deck->corners == 8 ? "C3D8R" : "C3D4", ++group);
+        for (size_t i = first; i < deck->n_solids; i++) {
+            if (written[i] || !same_modulus(deck->solid_Pa[i], deck->solid_Pa[first]))
+                continue;
+            written[i] = true;
+            fprintf(to, "%zu", before + i);
+            for (size_t c = 0; c < deck->corners; c++)
+                fprintf(to, ",%d", deck->solids[deck->corners * i + (size_t)order[c]] + 1);
+            fputc('\n', to);
+        }
+        write_solid_group(group, deck->solid_Pa[first], to);
     }
-    fprintf(to,
-            "*MATERIAL,NAME=VOLUME\n*HYPERFOAM,N=2\n%.12g,1.,%.12g,1.,1.,1e-6\n"
-            "*SOLID SECTION,ELSET=SOLIDS,MATERIAL=VOLUME\n",
-            -mu_MPa, mu_MPa);
+    free(written);
+    return PALP_OK;
 }
 
 static palp_status write_supports(const calculix_deck *deck, FILE *to) {
@@ -192,8 +214,8 @@ palp_status calculix_write(const calculix_deck *deck, FILE *to) {
             deck->model, deck->table_points, -deck->table_strain, deck->table_strain);
     write_nodes(deck->mesh, to);
     palp_status status = write_springs(deck, to);
-    if (deck->n_solids > 0)
-        write_solids(deck, to);
+    if (deck->n_solids > 0 && !status)
+        status = write_solids(deck, to);
     if (status == PALP_OK)
         status = write_supports(deck, to);
     double from_m = 0;

@@ -16,9 +16,9 @@ typedef struct calculix_deck {
     const double *factor; /* of each element's force, or NULL: palp_network_element_scale */
     const palp_law *law;
     const char *model;        /* its name, for the heading */
-    double volume_modulus_Pa; /* of the solids below, or 0: palp_network_volume_solids */
-    size_t n_solids, corners;
+    size_t n_solids, corners; /* palp_network_volume_solids */
     const int32_t *solids;
+    const double *solid_Pa; /* palp_network_volume_moduli */
     size_t n_supports;
     const palp_support *supports;
     size_t n_depths;

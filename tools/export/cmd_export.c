@@ -134,7 +134,8 @@ static int write_deck(const export_options *o, const palp_model *model, const ch
                           .step_strain = o->step_strain,
                           .table_points = o->points - (o->points % 2 == 0)};
     deck.factor = palp_network_element_scale(network);
-    deck.volume_modulus_Pa = palp_network_volume_solids(network, &deck.n_solids, &deck.corners, &deck.solids);
+    palp_network_volume_solids(network, &deck.n_solids, &deck.corners, &deck.solids);
+    deck.solid_Pa = palp_network_volume_moduli(network);
     int code = presses(o, path, &deck, depth_m);
     if (code == CLI_OK)
         code = cli_file_open("export", o->out, &file);
@@ -173,13 +174,11 @@ int cmd_export(int argc, char **argv) {
     if (code)
         return code;
     for (size_t r = 0; r < source.n_regions; r++)
-        if (source.regions[r].stiffness == 0 || source.regions[r].poisson_ratio > 0 ||
-            source.regions[r].fibre_Pa > 0 || model.poisson_ratio > 0 || model.volume_modulus_Pa > 0)
-            return cli_failure(
-                "export",
-                "%s: its regions have materials of their own, fibres or a Poisson's ratio; only their "
-                "stiffness_factor can be exported",
-                path);
+        if (source.regions[r].stiffness == 0 || source.regions[r].fibre_Pa > 0)
+            return cli_failure("export",
+                               "%s: its regions have materials of their own or fibres; only their "
+                               "stiffness_factor and poisson_ratio can be exported",
+                               path);
     palp_network *network = NULL;
     palp_status status = palp_model_mesh(&model, &mesh, &error);
     model.n_effects = 0; /* the deck is that of the network without effects */

@@ -87,6 +87,7 @@ static void comes_back(const palp_model *model) {
     ck_assert_double_eq(back.density_kg_m3, model->density_kg_m3);
     ck_assert_double_eq(back.volume_modulus_Pa, model->volume_modulus_Pa);
     ck_assert_double_eq(back.poisson_ratio, model->poisson_ratio);
+    ck_assert_int_eq(back.edge_correction, model->edge_correction);
     if (model->kind == PALP_MODEL_LUMPED) {
         ck_assert_ptr_null(back.mesh);
         return;
@@ -103,10 +104,12 @@ START_TEST(poissons_ratio_comes_back) {
     palp_model model =
         read_text("{\"palpate\": {\"model\": 1}, \"kind\": \"network\", \"stiffness\": "
                   "{\"kind\": \"polynomial\", \"coefficients_N\": [2]}, \"mesh\": {\"kind\": \"lattice\", "
-                  "\"nodes\": [3, 3, 3], \"size_mm\": [24, 24, 24]}, \"poisson_ratio\": 0.45}");
+                  "\"nodes\": [3, 3, 3], \"size_mm\": [24, 24, 24]}, \"poisson_ratio\": 0.45, "
+                  "\"edge_correction\": true}");
     palp_network *net = NULL;
     double force[2];
     ck_assert_double_eq(model.poisson_ratio, 0.45);
+    ck_assert(model.edge_correction);
     comes_back(&model);
     for (int i = 0; i < 2; i++, model.poisson_ratio = 0.0) {
         ck_assert_int_eq(palp_network_from_model(&model, NULL, 0, NULL, NULL, &net, NULL), PALP_OK);

@@ -76,7 +76,7 @@ static const struct {
     {"unknown", 12, PALP_ERR_INPUT,
      "colour is not a known key, which are palpate, kind, specimen, stiffness, arms, dashpot_Ns, "
      "quasi_linear, formulation, effects, fractional, covariance, specimens, free_term"},
-    {"version_4", 2, PALP_ERR_INPUT, "palpate.model is not 1 to 3, the versions that this build reads"},
+    {"version_5", 2, PALP_ERR_INPUT, "palpate.model is not 1 to 4, the versions that this build reads"},
     {"viscosity", 10, PALP_ERR_INPUT, "arms[1].viscosity_Ns must be greater than 0, not -30"},
 };
 
