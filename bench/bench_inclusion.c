@@ -5,7 +5,7 @@
  * 1 4; 1 26 has 20 balls); bench_inclusion layers FIRST LAST [known]: layers at the surface, pressed at 9
  * places to two depths by a larger sphere, the gain fitted or known; bench_inclusion lattice FIRST LAST: the
  * error that remains of a lattice where it was measured without the ball; bench_inclusion map NAME: a map of
- * data/tips/palpation.csv */
+ * data/tips/palpation.csv or layers.csv */
 #include "bench.h"
 
 #include <palpate/palpation.h>
@@ -174,37 +174,80 @@ static palp_palpation_kind look(int n_presses, const palp_palpation_press *map, 
     return p.kind;
 }
 
-/* Presses of CalculiX: forces at half the depth and at all of it, between which they are a power of depth. */
-static int look_in_map(const char *name) {
-    static const struct {
-        const char *name;
-        double truth[5];
-    } BALLS[] = {{"none", {0, 0, 0, 0, 1}}, {"near", {0.015, 0.019, 0.009, 0.0035, 20}}};
-    palp_palpation_press map[PRESSES];
-    char line[200], ball[20];
+/* A map of data/tips: its file, Poisson's ratio 0.3, what is in it, and the sphere's radius. */
+typedef struct known_map {
+    const char *name, *file;
+    double radius;
+    int n; /* of the truth: 5 of a ball, 2 of a layer */
+    double truth[5];
+} known_map;
+
+/* A row of palpation.csv. Between its two forces, at half the depth and at all of it, they are a power of
+ * depth. */
+static bool read_ball_row(const char *line, const known_map *m, palp_palpation_press *p) {
     double x, z, half, whole;
-    int n = 0, inside = 0;
-    FILE *file = fopen("data/tips/palpation.csv", "r");
-    if (!file)
-        return 1;
-    while (fgets(line, sizeof line, file))
-        if (n < PRESSES && sscanf(line, "%19[^,],%lf,%lf,%lf,%lf", ball, &x, &z, &half, &whole) == 5 &&
-            strcmp(ball, name) == 0) {
-            const double power = log2(whole / half), depth = 1.2e-3, radius = 5e-3;
-            const palp_tool tool = {.shape = PALP_TOOL_SPHERE,
-                                    .position_m = {1e-3 * x, SIDE + radius, 1e-3 * z},
-                                    .radius_m = radius};
-            map[n++] = (palp_palpation_press){tool, depth,
-                                              2.0 * whole * (1.0 - pow(0.5, power + 1.0)) / (power + 1.0)};
-        }
-    fclose(file);
-    for (size_t k = 0; n == PRESSES && k < sizeof BALLS / sizeof *BALLS; k++)
-        if (strcmp(BALLS[k].name, name) == 0) {
-            printf("%4s", name);
-            look(PRESSES, map, 0.3, false, 5, BALLS[k].truth, &inside);
-            return 0;
-        }
-    fprintf(stderr, "bench_inclusion: no map of %d presses called %s\n", PRESSES, name);
+    char name[20];
+    if (sscanf(line, "%19[^,],%lf,%lf,%lf,%lf", name, &x, &z, &half, &whole) != 5 ||
+        strcmp(name, m->name) != 0)
+        return false;
+    const double power = log2(whole / half);
+    *p = (palp_palpation_press){.depth_m = 1.2e-3};
+    p->tool.position_m[0] = 1e-3 * x;
+    p->tool.position_m[2] = 1e-3 * z;
+    p->force_N = 2.0 * whole * (1.0 - pow(0.5, power + 1.0)) / (power + 1.0);
+    return true;
+}
+
+/* A row of layers.csv: the mean of three forces by Simpson's rule. */
+static bool read_layer_row(const char *line, const known_map *m, palp_palpation_press *p) {
+    double x, z, depth, half, middle, whole;
+    char name[20];
+    if (sscanf(line, "%19[^,],%lf,%lf,%lf,%lf,%lf,%lf", name, &x, &z, &depth, &half, &middle, &whole) != 7 ||
+        strcmp(name, m->name) != 0)
+        return false;
+    *p = (palp_palpation_press){.depth_m = 1e-3 * depth, .force_N = (half + 4.0 * middle + whole) / 6.0};
+    p->tool.position_m[0] = 1e-3 * x;
+    p->tool.position_m[2] = 1e-3 * z;
+    return true;
+}
+
+static int read_map(const known_map *m, palp_palpation_press map[PRESSES]) {
+    char line[200];
+    int n = 0;
+    FILE *file = fopen(m->file, "r");
+    while (file && fgets(line, sizeof line, file)) {
+        palp_palpation_press *p = &map[n];
+        if (n == PRESSES || !(m->n == 5 ? read_ball_row : read_layer_row)(line, m, p))
+            continue;
+        p->tool.shape = PALP_TOOL_SPHERE;
+        p->tool.radius_m = m->radius;
+        p->tool.position_m[1] = SIDE + m->radius;
+        n++;
+    }
+    if (file)
+        fclose(file);
+    return n;
+}
+
+/* Presses of CalculiX. */
+static int look_in_map(const char *name) {
+    static const known_map MAPS[] = {
+        {"none", "data/tips/palpation.csv", 0.005, 5, {0, 0, 0, 0, 1}},
+        {"near", "data/tips/palpation.csv", 0.005, 5, {0.015, 0.019, 0.009, 0.0035, 20}},
+        {"no_layer", "data/tips/layers.csv", 0.006, 2, {0, 1}},
+        {"stiff_layer", "data/tips/layers.csv", 0.006, 2, {0.006, 5}},
+        {"soft_layer", "data/tips/layers.csv", 0.006, 2, {0.006, 0.2}}};
+    for (size_t k = 0; k < sizeof MAPS / sizeof *MAPS; k++) {
+        palp_palpation_press map[PRESSES];
+        const int n = strcmp(MAPS[k].name, name) == 0 ? read_map(&MAPS[k], map) : 0;
+        int inside = 0;
+        if (n == 0)
+            continue;
+        printf("%4s", name);
+        look(n, map, 0.3, false, MAPS[k].n, MAPS[k].truth, &inside);
+        return 0;
+    }
+    fprintf(stderr, "bench_inclusion: no map called %s\n", name);
     return 1;
 }
 

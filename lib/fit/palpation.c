@@ -133,13 +133,6 @@ static palp_status check_given(const palp_model *model, size_t n, const palp_pal
     return PALP_OK;
 }
 
-static double mean_edge_of(const palp_mesh *mesh) {
-    double sum = 0.0, unused[3];
-    for (size_t i = 0; i < mesh->n_elements; i++)
-        sum += mesh_direction(mesh, mesh->pairs + 2 * i, unused);
-    return sum / (double)mesh->n_elements;
-}
-
 static palp_status prepare_search(palpation_search *s, const palp_model *model, const palp_mesh *mesh) {
     s->source = malloc(sizeof *s->source);
     palp_status status = s->source ? mesh_copy(mesh, &s->mesh) : PALP_ERR_NO_MEMORY;
@@ -153,20 +146,12 @@ static palp_status prepare_search(palpation_search *s, const palp_model *model, 
     palp_region *region = &s->source->regions[s->source->n_regions++];
     *region = (palp_region){.shape = PALP_REGION_OF_MESH, .stiffness = 1.0};
     memcpy(region->name, palpation_region, sizeof palpation_region);
-    s->n_nodes = mesh->n_nodes;
-    s->edge = mean_edge_of(mesh);
     palp_mesh_bounds(mesh, s->low, s->high);
     s->shortest = fmin(s->high[0] - s->low[0], fmin(s->high[1] - s->low[1], s->high[2] - s->low[2]));
-    s->x = malloc(3 * s->n_nodes * PALPATION_LEVELS * s->n * sizeof *s->x);
-    s->wanted = malloc(5 * s->n * sizeof *s->wanted);
-    if (!s->x || !s->wanted)
-        return PALP_ERR_NO_MEMORY;
-    s->work = s->wanted + s->n;
-    s->elastic = s->work + s->n;
-    s->moved = s->elastic + s->n;
-    for (size_t i = 0; i < s->n; i++)
-        s->wanted[i] = log(s->press[i].force_N);
-    return PALP_OK;
+    status = palpation_use_mesh(s);
+    for (size_t i = 0; i < s->n && !status; i++)
+        s->measured[i] = log(s->press[i].force_N);
+    return status;
 }
 
 /* ---- the answer ----------------------------------------------------------------------------------- */
@@ -179,7 +164,7 @@ static palp_status search_for_all(palpation_search *s, double *residual, palp_pa
     palpation_answer a_ball, a_layer;
     s->kind = &palpation_ball;
     s->planned = 3.0 + 2.0 * (12.0 * PALPATION_STARTS + 9.0 * PALPATION_STIFFNESSES);
-    palp_status status = palpation_correct_map(s, residual, error);
+    palp_status status = palpation_measure_lattice(s, error);
     if (!status)
         status = palpation_find(s, &palpation_layer, residual, layer, &a_layer);
     if (!status)
@@ -220,11 +205,7 @@ palp_status palp_palpate(const palp_model *model, const palp_mesh *mesh, size_t 
     if (!status)
         status = search_for_all(&s, residual, result, error);
     free(residual);
-    free(s.x);
-    free(s.wanted);
-    free(s.source);
-    palp_network_free(s.net);
-    palp_mesh_free(s.mesh);
+    palpation_free(&s);
     if (status && error && error->status != status)
         palp_error_set(error, status, "%s", palp_status_text(status));
     return status;

@@ -1,5 +1,4 @@
-/* palpation_forces.c: the presses of a network with a region in it, their derivatives, and the lattice's own
- * error.
+/* palpation_forces.c: the presses of a network with a region in it, and their derivatives.
  */
 #include "palpation_internal.h"
 
@@ -16,11 +15,8 @@
 
 const char palpation_region[] = "palpation.region";
 
-static const double KNOWN = 4.0;      /* degrees of freedom of the prior of errors (doc/palpation.md) */
-static const double SOFT = 0.15;      /* half width of the region's edge, in mean edges of the mesh */
 static const double SHIFT = 0.02;     /* of a parameter for its derivative, in mean edges */
 static const double LOST = 10.0;      /* residual of a region with which the network has no equilibrium */
-static const double FINER = 1.6;      /* cells a side of the lattice by which the error is measured */
 static const double TOLERANCE = 1e-6; /* of an equilibrium; that of its energy is the square of it */
 
 /* ---- the region ----------------------------------------------------------------------------------- */
@@ -46,7 +42,7 @@ const palpation_kind palpation_ball = {4, part_in_ball}, palpation_layer = {1, p
 
 palp_status palpation_place(palpation_search *s, const double *p) {
     const size_t last = s->kind->n - 1;
-    hidden h = {{0.0, s->high[1], 0.0}, exp(p[last]) * s->edge, SOFT * s->edge};
+    hidden h = {{0.0, s->high[1], 0.0}, exp(p[last]) * s->edge, s->soft};
     for (size_t k = 0; k < last; k++)
         h.middle[k] = p[k] * s->edge;
     return palp_mesh_add_region(s->mesh, palpation_region, s->kind->part, &h);
@@ -225,62 +221,4 @@ palp_status palpation_press_tissue(palpation_search *s, palp_error *error) {
     s->solved = false;
     palp_status status = palpation_place(s, p);
     return status ? status : palpation_solve(s, error);
-}
-
-/* ---- the lattice's own error ---------------------------------------------------------------------- */
-
-/* A lattice has an error at its borders and between its nodes. It is measured against a finer lattice of the
- * tissue alone, as log[n] of the forces. It is taken to be the same with a region. The finer lattice has an
- * error as well, with a prior of the same size. */
-static palp_status measure_lattice_error(const palpation_search *s, double *more) {
-    palpation_search fine = *s;
-    memset(more, 0, s->n * sizeof *more);
-    if (s->source->kind != PALP_MESH_LATTICE)
-        return PALP_OK;
-    fine.model.mesh = fine.source = malloc(sizeof *fine.source);
-    if (!fine.source)
-        return PALP_ERR_NO_MEMORY;
-    *fine.source = *s->source;
-    for (int k = 0; k < 3; k++)
-        fine.source->nodes[k] = 1 + (size_t)ceil(FINER * (double)(s->source->nodes[k] - 1));
-    fine.mesh = NULL;
-    fine.net = NULL;
-    fine.x = NULL;
-    fine.solved = false;
-    fine.work = more;
-    fine.source->n_regions--; /* what is hidden is not of the mesh yet */
-    palp_status status = palp_model_mesh(&fine.model, &fine.mesh, NULL);
-    fine.source->n_regions++;
-    if (!status) {
-        fine.n_nodes = fine.mesh->n_nodes;
-        fine.x = malloc(3 * fine.n_nodes * PALPATION_LEVELS * fine.n * sizeof *fine.x);
-        status = fine.x ? palpation_press_tissue(&fine, NULL) : PALP_ERR_NO_MEMORY;
-    }
-    for (size_t i = 0; i < s->n; i++)
-        more[i] = status ? 0.0 : log(more[i]) - log(s->work[i]);
-    palp_network_free(fine.net);
-    palp_mesh_free(fine.mesh);
-    free(fine.x);
-    free(fine.source);
-    return palpation_lost(status) ? PALP_OK : status;
-}
-
-palp_status palpation_correct_map(palpation_search *s, double *lattice, palp_error *error) {
-    palp_status status = palpation_press_tissue(s, error);
-    if (!status)
-        status = measure_lattice_error(s, lattice);
-    if (status)
-        return status;
-    const double mean = statistics_mean(lattice, s->n), n = (double)s->n;
-    for (size_t i = 0; i < s->n; i++) {
-        lattice[i] -= mean;
-        s->wanted[i] -= lattice[i];
-    }
-    const double square = dense_dot(s->n, lattice, lattice) / n;
-    s->known_squares = KNOWN * square;
-    s->known = square > 0.0 ? KNOWN : 0.0;
-    s->gain_sd = fmax(fabs(mean), 1e-6);
-    if (s->settings->gain_known)
-        s->gain_share = square > 0.0 ? 1.0 - 1.0 / sqrt(1.0 + n * mean * mean / square) : 0.0;
-    return PALP_OK;
 }

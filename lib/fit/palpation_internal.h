@@ -30,7 +30,8 @@ typedef struct palpation_search {
     const palp_palpation_settings *settings;
     size_t n, n_nodes;
     const palp_palpation_press *press;
-    double edge, low[3], high[3], shortest; /* m */
+    double edge, low[3], high[3], shortest; /* m; edge: the mean of the mesh that is searched */
+    double soft;                            /* half width of the region's edge, m */
     palp_network *net;
     double known_squares; /* weight of the prior of the errors, in presses */
     double known;
@@ -39,10 +40,14 @@ typedef struct palpation_search {
                           at all, 0 if exactly */
     double *x;         /* [3 n_nodes] for each level of each press: the last equilibrium */
     bool solved;       /* x holds some */
-    double *wanted;    /* [n] logarithms of the measured forces */
-    double *work, *elastic; /* [n] model's, and with the nodes held at x */
-    double *moved;          /* [n] */
-    double log_stiffness;   /* of the region */
+    double *measured;  /* [n] logarithms of the measured forces */
+    double *wanted;    /* [n] these, less the lattice's own error */
+    double *tissue;    /* [n] that error of the tissue alone, less its mean */
+    double mean;       /* which is this */
+    struct palpation_search *finer; /* the lattice by which it is found; NULL: the mesh is no lattice */
+    double *work, *elastic;         /* [n] model's, and with the nodes held at x */
+    double *moved;                  /* [n] */
+    double log_stiffness;           /* of the region */
     double gain;
     double done, planned; /* evaluations */
 } palpation_search;
@@ -51,7 +56,8 @@ typedef struct palpation_search {
 typedef struct palpation_candidate {
     double log_stiffness, p[PALPATION_PLACE], squares, gain, likelihood;
     double covariance[PALPATION_PLACE * PALPATION_PLACE]; /* over the variance of the forces, by rows */
-    bool known;                                           /* there is one */
+    double along[PALPATION_PLACE]; /* derivatives of p, as fits best, by log_stiffness */
+    bool known;                    /* there is one */
 } palpation_candidate;
 
 /* What was found of a kind. */
@@ -90,9 +96,17 @@ palp_status palpation_residuals(void *user, const double *p, double *r, double *
 /* Presses the tissue without a region. */
 palp_status palpation_press_tissue(palpation_search *s, palp_error *error);
 
-/* Takes the lattice's own error off the map; sets the priors of the errors and of a known gain. lattice[n]:
- * what was taken off. */
-palp_status palpation_correct_map(palpation_search *s, double *lattice, palp_error *error);
+/* ---- the lattice's own error: palpation_lattice.c ---- */
+
+/* Allocates what the presses of s->mesh need. The caller frees it by palpation_free, also after an error. */
+palp_status palpation_use_mesh(palpation_search *s);
+void palpation_free(palpation_search *s);
+
+/* A lattice has an error at its borders and between its nodes. It is the logarithm of the ratio of forces, a
+ * finer lattice's over its own. The first finds that of the tissue alone and sets the priors of the errors
+ * and of a known gain. The second takes it off the measured forces. */
+palp_status palpation_measure_lattice(palpation_search *s, palp_error *error);
+void palpation_correct_for_tissue(palpation_search *s);
 
 /* ---- evidence and intervals: palpation_posterior.c ---- */
 

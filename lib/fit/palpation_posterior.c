@@ -66,13 +66,20 @@ static double evidence_of_region(const palpation_search *s, const palpation_cand
     return c->likelihood - none + fmin(volume, 0.0);
 }
 
-/* Width of the interval of log stiffness of each of them. */
-static double width_of_stiffness(size_t i) {
-    const double before = i > 0 ? palpation_stiffness[i - 1] : 1.0,
-                 after = i + 1 < PALPATION_STIFFNESSES ? palpation_stiffness[i + 1] : palpation_stiffness[i];
-    return 0.5 * log(after / before);
+/* Each stiffness is for an interval of the absolute logarithm; together they are for 1 to the last. */
+static void interval_of_stiffness(size_t i, double *low, double *high) {
+    const double *f = palpation_stiffness;
+    *low = i > 0 ? 0.5 * log(f[i - 1] * f[i]) : 0.0;
+    *high = i + 1 < PALPATION_STIFFNESSES ? 0.5 * log(f[i] * f[i + 1]) : log(f[i]);
 }
 
+static double width_of_stiffness(size_t i) {
+    double low, high;
+    interval_of_stiffness(i, &low, &high);
+    return high - low;
+}
+
+/* Sum over all stiffnesses. The other side of 1 has as much prior. */
 double palpation_evidence(const palpation_search *s, const palpation_candidate found[PALPATION_STIFFNESSES],
                           double none, double posterior[PALPATION_STIFFNESSES]) {
     double sum = 0.0, widths = 0.0, most = -INFINITY;
@@ -138,12 +145,26 @@ static void find_interval_of_stiffness(const palpation_candidate found[PALPATION
     v->high = softer ? exp(-end[0]) : open ? INFINITY : exp(end[1]);
 }
 
+/* Mean and deviation of parameter k with a stiffness, which is uniform over its interval. Place and size
+ * follow it linearly. */
+static void add_stiffness(const palpation_search *s, const palpation_candidate *c, size_t i, size_t k,
+                          mixture *m) {
+    const size_t n = s->kind->n;
+    const double freedom = s->known + palpation_freedom(s, n + 1), sign = c->log_stiffness < 0.0 ? -1.0 : 1.0,
+                 variance = (c->squares + s->known_squares) / freedom * c->covariance[k * n + k],
+                 widening = statistics_student_widening((size_t)freedom);
+    double low, high;
+    interval_of_stiffness(i, &low, &high);
+    const double across = c->along[k] * (high - low);
+    m->mean[i] = c->p[k] + c->along[k] * sign * (0.5 * (low + high) - fabs(c->log_stiffness));
+    m->sd[i] = sqrt(widening * widening * variance + across * across / 12.0);
+}
+
 size_t palpation_intervals(const palpation_search *s, const palpation_candidate found[PALPATION_STIFFNESSES],
                            const double posterior[PALPATION_STIFFNESSES],
                            palp_palpation_value *const *value) {
     static const double TAIL = 0.025;
     const size_t n = s->kind->n;
-    const double freedom = s->known + palpation_freedom(s, n + 1);
     size_t best = 0;
     for (size_t i = 1; i < PALPATION_STIFFNESSES; i++)
         best = posterior[i] > posterior[best] ? i : best;
@@ -151,11 +172,11 @@ size_t palpation_intervals(const palpation_search *s, const palpation_candidate 
         mixture m = {.n = PALPATION_STIFFNESSES};
         double least, most;
         palpation_range(s, k, &least, &most);
+        for (size_t i = 0; i < PALPATION_STIFFNESSES; i++)
+            add_stiffness(s, &found[i], i, k, &m);
         for (size_t i = 0; i < PALPATION_STIFFNESSES; i++) {
             m.share[i] = posterior[i];
-            m.mean[i] = found[i].p[k];
-            m.sd[i] = statistics_student_widening((size_t)freedom) *
-                      sqrt((found[i].squares + s->known_squares) / freedom * found[i].covariance[k * n + k]);
+            m.mean[i] = fmin(fmax(m.mean[i], least), most);
             m.sd[i] = fmax(fmin(m.sd[i], most - least), 1e-9);
         }
         const double low = quantile_of_mixture(&m, TAIL, least, most),

@@ -46,29 +46,46 @@ static palp_status fit_region(palpation_search *s, size_t most, palpation_candid
     return status;
 }
 
-/* Covariance, and the gain, at the region found. */
+/* Covariance, and how place and size follow the stiffness: slope[n (n + 1)] has the gain's share still. */
+static void measure_normal(const palpation_search *s, palpation_candidate *c, double *slope) {
+    const size_t n = s->kind->n;
+    double normal[PALPATION_PLACE * PALPATION_PLACE], along[PALPATION_PLACE];
+    for (size_t k = 0; k <= n; k++)
+        palpation_subtract_gain(s, slope + k * s->n);
+    dense_transposed_product(n, n, s->n, slope, slope, normal);
+    memset(c->covariance, 0, sizeof c->covariance);
+    for (size_t k = 0; k < n; k++)
+        c->covariance[k * n + k] = 1.0;
+    c->known = dense_cholesky(n, normal);
+    if (!c->known)
+        return;
+    dense_cholesky_solve(n, normal, n, c->covariance);
+    for (size_t k = 0; k < n; k++)
+        along[k] = -dense_dot(s->n, slope + k * s->n, slope + n * s->n);
+    dense_cholesky_solve(n, normal, 1, along);
+    memcpy(c->along, along, n * sizeof *along);
+}
+
+/* Likelihood, gain and what measure_normal finds, at the region found. */
 static palp_status measure_region(palpation_search *s, palpation_candidate *c) {
     const size_t n = s->kind->n;
-    double *r = malloc((n + 1) * s->n * sizeof *r), *jacobian = r + s->n,
-           normal[PALPATION_PLACE * PALPATION_PLACE];
+    double *r = malloc((n + 2) * s->n * sizeof *r), *slope = r + s->n;
     if (!r)
         return PALP_ERR_NO_MEMORY;
+    c->known = false;
+    memset(c->along, 0, sizeof c->along);
     s->log_stiffness = c->log_stiffness;
-    palp_status status = palpation_residuals(s, c->p, r, jacobian);
+    palp_status status = palpation_residuals(s, c->p, r, NULL);
     if (!status) {
-        dense_transposed_product(n, n, s->n, jacobian, jacobian, normal);
-        memset(c->covariance, 0, sizeof c->covariance);
-        for (size_t k = 0; k < n; k++)
-            c->covariance[k * n + k] = 1.0;
-        c->known = dense_cholesky(n, normal);
-        if (c->known)
-            dense_cholesky_solve(n, normal, n, c->covariance);
         c->squares = dense_dot(s->n, r, r);
         c->likelihood = palpation_likelihood(s, r);
         c->gain = s->gain;
+        status = s->solved ? palpation_slopes(s, c->p, n + 1, slope) : PALP_ERR_NOT_CONVERGED;
     }
+    if (!status)
+        measure_normal(s, c, slope);
     free(r);
-    return status;
+    return palpation_lost(status) ? PALP_OK : status;
 }
 
 /* ---- where to begin ------------------------------------------------------------------------------- */
@@ -235,6 +252,7 @@ palp_status palpation_find(palpation_search *s, const palpation_kind *kind, doub
     palpation_candidate first = {0}, found[PALPATION_STIFFNESSES];
     double posterior[PALPATION_STIFFNESSES];
     s->kind = kind;
+    palpation_correct_for_tissue(s);
     palp_status status = find_residuals_of_tissue(s, residual);
     const double none = status ? 0.0 : palpation_likelihood(s, residual);
     if (!status)
