@@ -1,7 +1,7 @@
 /* network_edges.c: cells at an edge between a bonded face and a free one. The solid's stress is singular
- * there. A cell does not follow that, and takes too much energy: without a correction, the force of a whole
+ * there. A cell does not follow that, and takes too much energy. Without a correction the force of a whole
  * block is too large by several per cent, and approaches the solid's slowly. A factor on the stiffness of
- * these cells alone, which depends on Poisson's ratio but not on the mesh, takes that error away
+ * these cells alone takes that error away. It depends on Poisson's ratio, not on the spacing
  * (energy-corrected finite elements: Egger, Ruede and Wohlmuth 2014, SIAM J. Numer. Anal. 52, 171). */
 #include "mesh/mesh_internal.h"
 #include "network_internal.h"
@@ -11,9 +11,9 @@
 #include <string.h>
 
 /* Cubic cells have the factor LEAST + MORE sqrt(1 - 2 nu), to 0.013, in a strip of ten between bonded plates.
- * With six it is up to 0.01 more, with 24 up to 0.013 less. A cell that is r times as long away from the free
- * face as away from the bonded one lacks r^POWER times as much of its stiffness as a cube. That was found for
- * 1 / LONGEST to LONGEST (data/contact/edge_factor.py). */
+ * With six it is up to 0.01 more, with 24 up to 0.013 less. A cube lacks one less this factor of its
+ * stiffness. A cell that is r times as long away from the free face as from the bonded one lacks r^POWER
+ * times as much. That was found for 1 / LONGEST to LONGEST (data/contact/edge_factor.py). */
 static const double LEAST = 0.6, MORE = 0.478, POWER = -2.0 / 3.0, LONGEST = 1.5;
 
 /* Corner c of a cell, at x = c & 1, y = c >> 1 & 1, z = c >> 2, is this one in the file's order. */
