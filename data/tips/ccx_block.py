@@ -127,9 +127,10 @@ def around(low, high, half, near, size):
     return [-x for x in reversed(way(-low))][:-1] + way(high) if low else way(high)
 
 
-def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800, regions=(), at=(), side=False, length=0):
+def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800, regions=(), at=(), side=False, length=0, surface=None):
     """[(depth, force)], or raises RuntimeError. nodes: of linear elements, alike, so many nodes a side; an odd number. regions: boxes with
-    x and z from the tip's axis, y from the floor, and the factor of their stiffness. at, side, length: as above."""
+    x and z from the tip's axis, y from the floor, and the factor of their stiffness. at, side, length: as above. surface: a list that
+    gets (depth, place, displacement along x, y, z) of the nodes of the top along x through the tip's axis."""
     a = min(math.sqrt(radius * depth) * (1.25 if depth > 0.3 * radius else 1.1), 0.9 * radius)  # the contact, or a little more
     size, near = a / fine, min(1.2 * a, 0.4)
     low = [-at[k] if k < len(at) else 0 for k in range(2)]  # of the mesh from the tip's axis; 0: symmetric
@@ -160,12 +161,17 @@ def press(radius, nu, depth, steps=4, fine=6, nodes=None, keep=None, limit=1800,
                     f.write("%d,S2\n" % e)
             f.write("*SURFACE INTERACTION,NAME=TOUCH\n*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR\n%g,1e-4\n" % (100.0 / size))
             f.write("*CONTACT PAIR,INTERACTION=TOUCH,TYPE=SURFACE TO SURFACE\nSTOP,STIP\n")
+            line = {q: doubled(xs)[i] for (i, j, k), q in number.items() if j == 2 * len(ys) - 2 and k == 0}
+            nset(f, "LINE", list(line))
             f.write(fixed)
             f.write("*STEP,NLGEOM,INC=200\n*STATIC\n%g,1,1e-4,%g\n*BOUNDARY\nTIP,2,2,%.12g\n" % (1 / steps, 1 / steps, -depth))
-            f.write("*NODE PRINT,NSET=FLOOR,TOTALS=ONLY\nRF\n*END STEP\n")
+            f.write("*NODE PRINT,NSET=FLOOR,TOTALS=ONLY\nRF\n")
+            f.write("*END STEP\n" if surface is None else "*NODE PRINT,NSET=LINE\nU\n*END STEP\n")
         found, told = solve(name, folder, limit)
         share = 2 ** low.count(0)
-        curve = [(t * depth, share * v[1]) for t, v in found]
+        curve = [(t * depth, share * v[1]) for t, v in found if len(v) == 3]
+        if surface is not None:
+            surface += [(t * depth, line[int(v[0])], *v[1:]) for t, v in found if len(v) == 4]
         if not curve or curve[-1][0] < 0.999 * depth:
             raise RuntimeError("ccx stopped at %s of %g: %s" % (curve[-1:] and curve[-1][0], depth, told))
         return curve

@@ -41,12 +41,11 @@ static double modulus_by_plate(size_t n, double poisson) {
     return force / whole;
 }
 
-/* Its force on the tool of a row, that far along z of its place. */
-static double press(size_t n, const tip_place *r, double along_m) {
+/* Pressed by the tool of a row, that far along z of its place. */
+static palp_network *pressed(size_t n, const tip_place *r, double along_m) {
     const int axis = r->face[0] == 's' ? 0 : 1;
     palp_network *net = solid(n, r->poisson, 1);
     const palp_contact_settings touch = palp_contact_settings_default();
-    palp_tool_force felt;
     palp_tool tool = {.shape = r->length > 0.0 ? PALP_TOOL_CAPSULE : PALP_TOOL_SPHERE,
                       .axis = {0, 0, 1},
                       .length_m = 1e-3 * r->length,
@@ -59,9 +58,15 @@ static double press(size_t n, const tip_place *r, double along_m) {
         ck_assert_int_eq(palp_network_set_tools(net, 1, &tool), PALP_OK);
         ck_assert_int_eq(palp_network_step(net, 0.0, INFINITY, NULL), PALP_OK);
     }
+    return net;
+}
+
+static double press(size_t n, const tip_place *r, double along_m) {
+    palp_network *net = pressed(n, r, along_m);
+    palp_tool_force felt;
     ck_assert_int_eq(palp_network_tool_force(net, &felt), PALP_OK);
     palp_network_free(net);
-    return felt.force_N[axis];
+    return felt.force_N[r->face[0] == 's' ? 0 : 1];
 }
 
 /* There and half an edge further, over the solid's force with the same force of a plate. Bounds are what is
@@ -97,7 +102,84 @@ START_TEST(as_calculix_has_it) {
 }
 END_TEST
 
+/* ---- the surface around a sphere ----------------------------------------------------------------- */
+
+enum { ROWS = 200 };
+
+/* A press of data/tips/surface.csv: places from the axis, and displacements down and out, mm. */
+typedef struct surface_line {
+    double radius, poisson, depth, x[ROWS], down[ROWS], out[ROWS];
+    size_t n;
+} surface_line;
+
+/* The next press; the first row of the one after it stays in *ahead. */
+static bool read_surface(FILE *file, double ahead[6], surface_line *s) {
+    *s = (surface_line){.radius = ahead[0], .poisson = ahead[1], .depth = ahead[2]};
+    while (ahead[0] > 0.0 && ahead[0] == s->radius && ahead[1] == s->poisson && ahead[2] == s->depth) {
+        ck_assert_uint_lt(s->n, ROWS);
+        s->x[s->n] = ahead[3];
+        s->down[s->n] = ahead[4];
+        s->out[s->n++] = ahead[5];
+        if (fscanf(file, "%lf,%lf,%lf,%lf,%lf,%lf", ahead, ahead + 1, ahead + 2, ahead + 3, ahead + 4,
+                   ahead + 5) != 6)
+            ahead[0] = 0.0;
+    }
+    return s->n > 0;
+}
+
+static double between(const surface_line *s, const double *value, double x) {
+    size_t i = 1;
+    while (i + 1 < s->n && s->x[i] < x)
+        i++;
+    const double part = (x - s->x[i - 1]) / (s->x[i] - s->x[i - 1]);
+    return value[i - 1] + part * (value[i] - value[i - 1]);
+}
+
+/* Largest difference of the nodes of the top beyond the contact from the solid's, over the depth: *down, and
+ * outwards. */
+static double surface_error(size_t n, const surface_line *s, double *down) {
+    const tip_place middle = {
+        .face = "top", .radius = s->radius, .x = 12.0, .z = 12.0, .poisson = s->poisson, .depth = s->depth};
+    palp_network *net = pressed(n, &middle, 0.0);
+    const double *rest = palp_mesh_positions(palp_network_mesh(net)), *now = palp_network_positions(net);
+    double out = 0.0;
+    *down = 0.0;
+    for (size_t i = 0; i < node_count(net); i++) {
+        const double *a = rest + 3 * i, *b = now + 3 * i, x = 1e3 * a[0] - 12.0;
+        if (a[1] < 0.999 * SIDE || fabs(a[2] - 0.5 * SIDE) > 1e-6 || x < sqrt(s->radius * s->depth))
+            continue;
+        *down = fmax(*down, fabs(1e3 * (a[1] - b[1]) - between(s, s->down, x)) / s->depth);
+        out = fmax(out, fabs(1e3 * (b[0] - a[0]) - between(s, s->out, x)) / s->depth);
+    }
+    palp_network_free(net);
+    return out;
+}
+
+/* 7 and 11 nodes a side. Sideways the node nearest to the contact moves too little inwards. */
+START_TEST(surface_around_a_sphere) {
+    FILE *file = fopen("data/tips/surface.csv", "r");
+    double ahead[6];
+    surface_line s;
+    size_t presses = 0;
+    ck_assert(file && fscanf(file, "%*[^\n]") == 0);
+    ck_assert_int_eq(
+        fscanf(file, "%lf,%lf,%lf,%lf,%lf,%lf", ahead, ahead + 1, ahead + 2, ahead + 3, ahead + 4, ahead + 5),
+        6);
+    for (; read_surface(file, ahead, &s); presses++)
+        for (size_t n = 7; n <= 11; n += 4) {
+            double down;
+            const double out = surface_error(n, &s, &down);
+            ck_assert_msg(down < 0.036 && out < 0.126,
+                          "%zu nodes, %g, radius %g, %g deep: off by %.3f down, %.3f out", n, s.poisson,
+                          s.radius, s.depth, down, out);
+        }
+    fclose(file);
+    ck_assert_uint_ge(presses, 20);
+}
+END_TEST
+
 void tests(TCase *tc);
 void tests(TCase *tc) {
     tcase_add_loop_test(tc, as_calculix_has_it, 0, 5);
+    tcase_add_test(tc, surface_around_a_sphere);
 }
