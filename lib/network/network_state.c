@@ -268,8 +268,7 @@ static uint64_t fingerprint_of_network(const palp_network *net) {
                                net->n_terms,
                                net->n_regions,
                                net->now.history.peak != NULL,
-                               net->settings.integrator,
-                               net->edge != NULL};
+                               net->settings.integrator};
     const double value[] = {net->settings.density_kg_m3, net->settings.volume_modulus_Pa,
                             net->settings.poisson_ratio, net->settings.spectral_radius};
     const double *scale = palp_mesh_element_scale(net->mesh);
@@ -286,6 +285,8 @@ static uint64_t fingerprint_of_network(const palp_network *net) {
                           mesh_solids(net->mesh, &corners, &node) * sizeof *region->inside);
         sum = region->share ? network_sum_of_material(sum, &region->given.own_material) : sum;
     }
+    if (net->edge)
+        sum = network_sum(sum, net->edge, mesh_solids(net->mesh, &corners, &node) * sizeof *net->edge);
     sum = network_sum(sum, net->rest, n3 * sizeof *net->rest);
     sum = network_sum(sum, net->pair, 2 * net->n_elements * sizeof *net->pair);
     sum = network_sum(sum, net->motion, n3 * sizeof *net->motion);

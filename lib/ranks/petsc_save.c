@@ -14,10 +14,11 @@ enum { FORMAT = 1, NUMBERS = 12, VECTOR_HEADER = 8 };
 
 /* Distinguishes networks by mesh, supports and material; the same for any number of processes. */
 static double fingerprint(const part *p, const palp_network *net) {
-    const double volume[] = {net->settings.volume_modulus_Pa, net->settings.poisson_ratio,
-                             net->settings.edge_correction};
+    const double volume[] = {net->settings.volume_modulus_Pa, net->settings.poisson_ratio};
     uint64_t sum = network_sum_of_material(NETWORK_SUM, &net->material), nodes = 0;
     sum = network_sum(sum, volume, sizeof volume);
+    if (net->settings.edge_correction)
+        sum = network_sum(sum, "edges", 5);
     for (size_t i = 0; i < p->n_nodes; i++)
         if (p->own[i]) {
             uint64_t one = network_sum(NETWORK_SUM, &p->node[i], sizeof p->node[i]);
