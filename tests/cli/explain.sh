@@ -152,4 +152,13 @@ expect 2 explain --model guess.json bias1.csv --candidates gremlins
 says 'no effect is called "gremlins"'
 expect 2 explain --model guess.json bias1.csv --hold-out other.csv
 says "other.csv is not among the runs"
+# A law that falls in shallow runs is written for as deep as they go.
+cat >falls.json <<'J'
+{"palpate": {"model": 1}, "kind": "lumped", "specimen": {"kind": "cylinder", "height_mm": 24, "radius_mm": 12},
+ "stiffness": {"kind": "spline", "strain": [0, 0.04, 0.08, 0.4], "stiffness_N": [8, 6.4, 4.8, 4.5]}, "arms": [{"stiffness_N": 2, "viscosity_Ns": 2}]}
+J
+sed 's/"kind": "spline".*\]}, "arms"/"kind": "polynomial", "coefficients_N": [8, -10]}, "arms"/' falls.json >straight.json
+expect 0 simulate falls.json --protocol ramp_hold --depth-mm 1.8 --ramp-s 1 --hold-s 5 --sample-Hz 50 --out shallow.csv
+expect 0 explain --model straight.json --max-effects 0 --out fallen.json shallow.csv
+grep -q '"strain_max": 0.0[78]' fallen.json || fail "no range in the law: $(grep stiffness fallen.json)"
 done_testing

@@ -130,12 +130,29 @@ static int choose_held_out(const explain_options *o, palp_explain_settings *s,
     return s->n_held_out < o->n_words ? CLI_OK : cli_usage_error(NAME, "--hold-out leaves no run to fit");
 }
 
-static int write_out(const explain_options *o, const palp_explanation *e) {
+/* Largest depth of the runs of a lumped model, over its height; 0 of a network. */
+static double deepest_strain(const palp_model *model, size_t n, palp_experiment *const *run) {
+    double deepest = 0;
+    for (size_t r = 0; r < n && model->kind == PALP_MODEL_LUMPED; r++) {
+        const double *depth_mm = palp_experiment_column(run[r], "depth_mm");
+        for (size_t i = 0; depth_mm && i < palp_experiment_rows(run[r]); i++)
+            deepest = fmax(deepest, 1e-3 * depth_mm[i] / model->height_m);
+    }
+    return deepest;
+}
+
+/* To this strain a model file must have a stiffness above 0. A law without a measured range may fall below it
+ * beyond the runs; then it holds as deep as they go. */
+static const double FILE_STRAIN = 0.4;
+
+static int write_out(const explain_options *o, const palp_explanation *e, palp_experiment *const *run) {
     palp_error error;
     int code = CLI_OK;
     palp_model model = e->model;
-    palp_law_limit(&model.material.law,
-                   model.material.law.strain_max); /* of the coefficients that were found */
+    palp_law *law = &model.material.law;
+    palp_law_limit(law, law->strain_max); /* of the coefficients that were found */
+    if (!(law->strain_max > 0) && !(palp_law_minimum(law, FILE_STRAIN) > 0))
+        palp_law_limit(law, deepest_strain(&model, o->n_words, run));
     if (o->out && palp_model_write(&model, o->out, &error))
         code = cli_status(NAME, error.status, &error);
     if (code == CLI_OK && o->next && e->next.n_runs > 0)
@@ -147,12 +164,7 @@ static int write_out(const explain_options *o, const palp_explanation *e) {
  * given law by more than contacts differ. */
 static void extend_range(palp_model *model, size_t n, palp_experiment *const *run) {
     palp_law *law = &model->material.law;
-    double deepest = 0, given = law->strain_max;
-    for (size_t r = 0; r < n && model->kind == PALP_MODEL_LUMPED && given > 0; r++) {
-        const double *depth_mm = palp_experiment_column(run[r], "depth_mm");
-        for (size_t i = 0; depth_mm && i < palp_experiment_rows(run[r]); i++)
-            deepest = fmax(deepest, 1e-3 * depth_mm[i] / model->height_m);
-    }
+    const double given = law->strain_max, deepest = given > 0 ? deepest_strain(model, n, run) : 0;
     if (deepest > 1.02 * given)
         cli_warning(
             NAME, "beyond the measured strain of %.4g: these runs go to %.4g, and the law is fitted to there",
@@ -263,7 +275,7 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
         if (o->result || o->report)
             explain_figures(figures, &e);
         code = page_result(NAME, result, figures, o->json, o->result, o->report);
-        code = code ? code : write_out(o, &e);
+        code = code ? code : write_out(o, &e, run);
         code = code == CLI_OK && e.stopped ? CLI_NOT_CONVERGED : code;
         palp_explanation_free(&e);
     }
