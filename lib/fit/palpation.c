@@ -150,7 +150,7 @@ static palp_status prepare_search(palpation_search *s, const palp_model *model, 
     s->shortest = fmin(s->high[0] - s->low[0], fmin(s->high[1] - s->low[1], s->high[2] - s->low[2]));
     status = palpation_use_mesh(s);
     for (size_t i = 0; i < s->n && !status; i++)
-        s->measured[i] = log(s->press[i].force_N);
+        s->wanted[i] = log(s->press[i].force_N);
     return status;
 }
 

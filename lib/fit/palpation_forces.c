@@ -15,6 +15,7 @@
 
 const char palpation_region[] = "palpation.region";
 
+static const double SOFT = 0.15;      /* half width of the region's edge, in mean edges of the mesh */
 static const double SHIFT = 0.02;     /* of a parameter for its derivative, in mean edges */
 static const double LOST = 10.0;      /* residual of a region with which the network has no equilibrium */
 static const double TOLERANCE = 1e-6; /* of an equilibrium; that of its energy is the square of it */
@@ -42,7 +43,7 @@ const palpation_kind palpation_ball = {4, part_in_ball}, palpation_layer = {1, p
 
 palp_status palpation_place(palpation_search *s, const double *p) {
     const size_t last = s->kind->n - 1;
-    hidden h = {{0.0, s->high[1], 0.0}, exp(p[last]) * s->edge, s->soft};
+    hidden h = {{0.0, s->high[1], 0.0}, exp(p[last]) * s->edge, SOFT * s->edge};
     for (size_t k = 0; k < last; k++)
         h.middle[k] = p[k] * s->edge;
     return palp_mesh_add_region(s->mesh, palpation_region, s->kind->part, &h);

@@ -31,7 +31,6 @@ typedef struct palpation_search {
     size_t n, n_nodes;
     const palp_palpation_press *press;
     double edge, low[3], high[3], shortest; /* m; edge: the mean of the mesh that is searched */
-    double soft;                            /* half width of the region's edge, m */
     palp_network *net;
     double known_squares; /* weight of the prior of the errors, in presses */
     double known;
@@ -40,14 +39,10 @@ typedef struct palpation_search {
                           at all, 0 if exactly */
     double *x;         /* [3 n_nodes] for each level of each press: the last equilibrium */
     bool solved;       /* x holds some */
-    double *measured;  /* [n] logarithms of the measured forces */
-    double *wanted;    /* [n] these, less the lattice's own error */
-    double *tissue;    /* [n] that error of the tissue alone, less its mean */
-    double mean;       /* which is this */
-    struct palpation_search *finer; /* the lattice by which it is found; NULL: the mesh is no lattice */
-    double *work, *elastic;         /* [n] model's, and with the nodes held at x */
-    double *moved;                  /* [n] */
-    double log_stiffness;           /* of the region */
+    double *wanted;    /* [n] logarithms of the measured forces, less the lattice's own error */
+    double *work, *elastic; /* [n] model's, and with the nodes held at x */
+    double *moved;          /* [n] */
+    double log_stiffness;   /* of the region */
     double gain;
     double done, planned; /* evaluations */
 } palpation_search;
@@ -103,10 +98,9 @@ palp_status palpation_use_mesh(palpation_search *s);
 void palpation_free(palpation_search *s);
 
 /* A lattice has an error at its borders and between its nodes. It is the logarithm of the ratio of forces, a
- * finer lattice's over its own. The first finds that of the tissue alone and sets the priors of the errors
- * and of a known gain. The second takes it off the measured forces. */
+ * finer lattice's over its own. Takes that of the tissue alone off the measured forces, but for its mean, and
+ * sets the priors of the errors and of a known gain. */
 palp_status palpation_measure_lattice(palpation_search *s, palp_error *error);
-void palpation_correct_for_tissue(palpation_search *s);
 
 /* ---- evidence and intervals: palpation_posterior.c ---- */
 

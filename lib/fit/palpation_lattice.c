@@ -12,7 +12,6 @@
 
 static const double KNOWN = 4.0; /* degrees of freedom of the prior of errors (doc/palpation.md) */
 static const double FINER = 1.6; /* cells a side of the finer lattice, over the other's */
-static const double SOFT = 0.15; /* half width of the region's edge, in mean edges of the mesh */
 
 static double mean_edge_of(const palp_mesh *mesh) {
     double sum = 0.0, unused[3];
@@ -24,45 +23,39 @@ static double mean_edge_of(const palp_mesh *mesh) {
 palp_status palpation_use_mesh(palpation_search *s) {
     s->n_nodes = s->mesh->n_nodes;
     s->edge = mean_edge_of(s->mesh);
-    s->soft = SOFT * s->edge;
     s->x = malloc(3 * s->n_nodes * PALPATION_LEVELS * s->n * sizeof *s->x);
-    s->measured = malloc(6 * s->n * sizeof *s->measured);
-    if (!s->x || !s->measured)
+    s->wanted = malloc(4 * s->n * sizeof *s->wanted);
+    if (!s->x || !s->wanted)
         return PALP_ERR_NO_MEMORY;
-    s->wanted = s->measured + s->n;
-    s->tissue = s->wanted + s->n;
-    s->work = s->tissue + s->n;
+    s->work = s->wanted + s->n;
     s->elastic = s->work + s->n;
     s->moved = s->elastic + s->n;
     return PALP_OK;
 }
 
 void palpation_free(palpation_search *s) {
-    if (s->finer)
-        palpation_free(s->finer);
-    free(s->finer);
     free(s->x);
-    free(s->measured);
+    free(s->wanted);
     free(s->source);
     palp_network_free(s->net);
     palp_mesh_free(s->mesh);
 }
 
-/* Lengths stay in edges of the other mesh. */
-static palp_status make_finer(palpation_search *s) {
-    palpation_search *f = calloc(1, sizeof *f);
-    s->finer = f;
-    if (!f || !(f->source = malloc(sizeof *f->source)))
+/* The search of the finer lattice; lengths stay in edges of the other. */
+static palp_status make_finer(const palpation_search *s, palpation_search *f) {
+    *f = (palpation_search){.kind = s->kind,
+                            .model = s->model,
+                            .source = malloc(sizeof *f->source),
+                            .settings = s->settings,
+                            .n = s->n,
+                            .press = s->press,
+                            .planned = s->planned};
+    if (!f->source)
         return PALP_ERR_NO_MEMORY;
-    f->model = s->model;
     f->model.mesh = f->source;
     *f->source = *s->source;
     for (int k = 0; k < 3; k++)
         f->source->nodes[k] = 1 + (size_t)ceil(FINER * (double)(s->source->nodes[k] - 1));
-    f->settings = s->settings;
-    f->n = s->n;
-    f->press = s->press;
-    f->planned = s->planned;
     memcpy(f->low, s->low, sizeof f->low);
     memcpy(f->high, s->high, sizeof f->high);
     f->source->n_regions--; /* what is hidden is not of the mesh yet */
@@ -74,44 +67,42 @@ static palp_status make_finer(palpation_search *s) {
     return status;
 }
 
-/* error[n], of the region that both have last been pressed with. */
-static void compare_lattices(const palpation_search *s, double *error) {
-    for (size_t i = 0; i < s->n; i++)
-        error[i] = log(s->finer->work[i]) - log(s->work[i]);
-}
-
-/* A common factor stays, as the network may have been calibrated with it: the size of this factor is the
- * standard deviation of a gain that is known. */
-static void set_priors(palpation_search *s) {
-    const double n = (double)s->n, square = dense_dot(s->n, s->tissue, s->tissue) / n;
-    s->known_squares = KNOWN * square;
-    s->known = square > 0.0 ? KNOWN : 0.0;
-    s->gain_sd = fmax(fabs(s->mean), 1e-6);
-    if (s->settings->gain_known)
-        s->gain_share = square > 0.0 ? 1.0 - 1.0 / sqrt(1.0 + n * s->mean * s->mean / square) : 0.0;
-}
-
-palp_status palpation_measure_lattice(palpation_search *s, palp_error *error) {
-    palp_status status = palpation_press_tissue(s, error);
-    memset(s->tissue, 0, s->n * sizeof *s->tissue);
-    if (!status && s->source->kind == PALP_MESH_LATTICE) {
-        status = make_finer(s);
-        if (!status) {
-            s->finer->kind = s->kind;
-            status = palpation_press_tissue(s->finer, NULL);
-        }
-        if (!status)
-            compare_lattices(s, s->tissue);
-        status = palpation_lost(status) ? PALP_OK : status;
-    }
-    s->mean = statistics_mean(s->tissue, s->n);
-    for (size_t i = 0; i < s->n; i++)
-        s->tissue[i] -= s->mean;
-    set_priors(s);
+/* off[n] of the tissue that s was last pressed with. */
+static palp_status compare_with_finer(const palpation_search *s, double *off) {
+    palpation_search finer;
+    palp_status status = make_finer(s, &finer);
+    if (!status)
+        status = palpation_press_tissue(&finer, NULL);
+    for (size_t i = 0; i < s->n && !status; i++)
+        off[i] = log(finer.work[i]) - log(s->work[i]);
+    palpation_free(&finer);
     return status;
 }
 
-void palpation_correct_for_tissue(palpation_search *s) {
-    for (size_t i = 0; i < s->n; i++)
-        s->wanted[i] = s->measured[i] - s->tissue[i];
+/* off[n]: the error less its mean. A common factor stays, as the network may have been calibrated with it:
+ * the size of this factor is the standard deviation of a gain that is known. */
+static void set_priors(palpation_search *s, const double *off, double mean) {
+    const double n = (double)s->n, square = dense_dot(s->n, off, off) / n;
+    s->known_squares = KNOWN * square;
+    s->known = square > 0.0 ? KNOWN : 0.0;
+    s->gain_sd = fmax(fabs(mean), 1e-6);
+    if (s->settings->gain_known)
+        s->gain_share = square > 0.0 ? 1.0 - 1.0 / sqrt(1.0 + n * mean * mean / square) : 0.0;
+}
+
+palp_status palpation_measure_lattice(palpation_search *s, palp_error *error) {
+    double *off = s->moved;
+    palp_status status = palpation_press_tissue(s, error);
+    memset(off, 0, s->n * sizeof *off);
+    if (!status && s->source->kind == PALP_MESH_LATTICE) {
+        status = compare_with_finer(s, off);
+        status = palpation_lost(status) ? PALP_OK : status;
+    }
+    const double mean = statistics_mean(off, s->n);
+    for (size_t i = 0; i < s->n; i++) {
+        off[i] -= mean;
+        s->wanted[i] -= off[i];
+    }
+    set_priors(s, off, mean);
+    return status;
 }

@@ -252,7 +252,6 @@ palp_status palpation_find(palpation_search *s, const palpation_kind *kind, doub
     palpation_candidate first = {0}, found[PALPATION_STIFFNESSES];
     double posterior[PALPATION_STIFFNESSES];
     s->kind = kind;
-    palpation_correct_for_tissue(s);
     palp_status status = find_residuals_of_tissue(s, residual);
     const double none = status ? 0.0 : palpation_likelihood(s, residual);
     if (!status)

@@ -97,6 +97,9 @@ bool mesh_nodes_across_face(const palp_mesh *mesh, const int32_t *neighbour, siz
 /* Adds (or replaces) a region of which each tetrahedron has this part. */
 palp_status mesh_take_region(palp_mesh *mesh, const char *name, const double *part);
 
+/* Corner c of a hexahedron, at x = c & 1, y = c >> 1 & 1, z = c >> 2, is this one in the order of a file. */
+extern const unsigned char mesh_gmsh_corner[8];
+
 /* Does the mesh consist of hexahedra alone? Their six tetrahedra follow those of the one before. */
 bool mesh_is_all_hexahedra(const palp_mesh *mesh);
 

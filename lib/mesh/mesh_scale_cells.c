@@ -10,7 +10,7 @@
 /* Corner b of a cell is at x = b & 1, y = b >> 1 & 1, z = b >> 2. Two corners differ by a mask of 1 to 7: one
  * bit an edge, two bits the diagonal of a face, three that of the cell. */
 enum { CORNERS = 8, MASKS = 8, BODY = 7, PAIRS = 28 };
-static const unsigned char gmsh_corner[CORNERS] = {0, 1, 3, 2, 4, 5, 7, 6};
+const unsigned char mesh_gmsh_corner[] = {0, 1, 3, 2, 4, 5, 7, 6};
 
 /* A symmetric tensor of fourth order: the axes of its components, and how often each occurs among the 81. */
 enum { QUARTIC = 15 };
@@ -54,8 +54,8 @@ static void measure(const palp_mesh *mesh, size_t index, cell *c) {
     size_t i = 0;
     for (int a = 0; a < CORNERS; a++)
         for (int b = a + 1; b < CORNERS; b++, i++) {
-            c->pair[i][0] = node[gmsh_corner[a]];
-            c->pair[i][1] = node[gmsh_corner[b]];
+            c->pair[i][0] = node[mesh_gmsh_corner[a]];
+            c->pair[i][1] = node[mesh_gmsh_corner[b]];
             c->mask[i] = a ^ b;
             measure_pair(mesh, c, i);
         }

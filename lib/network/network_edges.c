@@ -16,9 +16,7 @@
  * times as much. That was found for 1 / LONGEST to LONGEST (data/contact/edge_factor.py). */
 static const double LEAST = 0.6, MORE = 0.478, POWER = -2.0 / 3.0, LONGEST = 1.5;
 
-/* Corner c of a cell, at x = c & 1, y = c >> 1 & 1, z = c >> 2, is this one in the file's order. */
 enum { CORNERS = 8, TETRAHEDRA = 6 };
-static const unsigned char gmsh_corner[CORNERS] = {0, 1, 3, 2, 4, 5, 7, 6};
 
 typedef struct cell {
     int32_t node[CORNERS];
@@ -60,7 +58,7 @@ static void find_faces(const palp_mesh *mesh, const int32_t *neighbour, const un
                        cell *c) {
     memset(c, 0, sizeof *c);
     for (size_t corner = 0; corner < CORNERS; corner++)
-        c->node[corner] = mesh->hexahedra[CORNERS * i + gmsh_corner[corner]];
+        c->node[corner] = mesh->hexahedra[CORNERS * i + mesh_gmsh_corner[corner]];
     for (size_t t = TETRAHEDRA * i; t < TETRAHEDRA * (i + 1); t++)
         for (size_t f = 0; f < 4; f++) {
             int32_t triangle[3];

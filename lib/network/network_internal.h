@@ -250,8 +250,8 @@ double network_beyond(const palp_network *net, const double *strain);
 /* Does this network want such factors: cells, scaled as a continuum, with the setting edge_correction? */
 bool network_has_edges(const palp_mesh *mesh, const palp_network_settings *settings);
 
-/* Factor of each cell's stiffness, of_solid[mesh_solids], by which the cells at an edge between a bonded face
- * and a free one stand for the solid; 1 elsewhere. A face is bonded where supports hold all axes of its
+/* Factor of each cell's stiffness, of_solid[mesh_solids]. Cells at an edge between a bonded face and a free
+ * one stand for the solid with it; elsewhere it is 1. A face is bonded where supports hold all axes of its
  * nodes. ERR_INPUT: no such node set; ERR_NO_MEMORY. */
 palp_status network_edge_factors(const palp_mesh *mesh, const palp_network_settings *settings,
                                  size_t n_supports, const palp_support *supports, double *of_solid);

@@ -17,7 +17,6 @@ static const double LEAST =
  * their changes across xy, xz, yz. The volume is the sum of factor det(three modes); tetrahedra have the
  * first. */
 enum { CORNERS = 8, MODES = 6, TRIPLES = 4, BATCH = 4 };
-static const unsigned char gmsh_corner[CORNERS] = {0, 1, 3, 2, 4, 5, 7, 6};
 static const unsigned char of_axes[MODES] = {1, 2, 4, 3, 5, 6};
 static const unsigned char triple[TRIPLES][3] = {{0, 1, 2}, {0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 static const double factor_of_triple[TRIPLES] = {1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
@@ -444,7 +443,7 @@ static palp_status list_solids(volume *t, const palp_network *net) {
         const int32_t *given = (cells ? net->mesh->hexahedra : net->mesh->tetrahedra) + t->corners * i;
         for (size_t turned = 0; turned < 2 && !(t->all_rest[i] > 0.0); turned++) {
             for (size_t c = 0; c < t->corners; c++)
-                node[c] = given[cells ? gmsh_corner[turned ? c ^ 1 : c] : c];
+                node[c] = given[cells ? mesh_gmsh_corner[turned ? c ^ 1 : c] : c];
             t->all_rest[i] = solid_volume(t, node, net->rest);
         }
         if (!(t->all_rest[i] > 0.0) || !(net->ranks || network_is_solid_joined(net->mesh, t->corners, node)))

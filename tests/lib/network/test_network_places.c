@@ -112,6 +112,10 @@ typedef struct surface_line {
     size_t n;
 } surface_line;
 
+static bool read_row(FILE *file, double row[6]) {
+    return fscanf(file, "%lf,%lf,%lf,%lf,%lf,%lf", row, row + 1, row + 2, row + 3, row + 4, row + 5) == 6;
+}
+
 /* The next press; the first row of the one after it stays in *ahead. */
 static bool read_surface(FILE *file, double ahead[6], surface_line *s) {
     *s = (surface_line){.radius = ahead[0], .poisson = ahead[1], .depth = ahead[2]};
@@ -120,8 +124,7 @@ static bool read_surface(FILE *file, double ahead[6], surface_line *s) {
         s->x[s->n] = ahead[3];
         s->down[s->n] = ahead[4];
         s->out[s->n++] = ahead[5];
-        if (fscanf(file, "%lf,%lf,%lf,%lf,%lf,%lf", ahead, ahead + 1, ahead + 2, ahead + 3, ahead + 4,
-                   ahead + 5) != 6)
+        if (!read_row(file, ahead))
             ahead[0] = 0.0;
     }
     return s->n > 0;
@@ -162,9 +165,7 @@ START_TEST(surface_around_a_sphere) {
     surface_line s;
     size_t presses = 0;
     ck_assert(file && fscanf(file, "%*[^\n]") == 0);
-    ck_assert_int_eq(
-        fscanf(file, "%lf,%lf,%lf,%lf,%lf,%lf", ahead, ahead + 1, ahead + 2, ahead + 3, ahead + 4, ahead + 5),
-        6);
+    ck_assert(read_row(file, ahead));
     for (; read_surface(file, ahead, &s); presses++)
         for (size_t n = 7; n <= 11; n += 4) {
             double down;
