@@ -3,9 +3,9 @@
  * nodes a side, the one in which the ball is looked for 8. The forces have noise of 0.5 %. change is
  * the largest of a force by the ball, over the noise. bench_inclusion [FIRST LAST]: cases by number (default
  * 1 4; 1 26 has 20 balls); bench_inclusion layers FIRST LAST [known]: layers at the surface, pressed at 9
- * places to two depths by a larger sphere, the gain fitted or known; bench_inclusion lattice FIRST LAST: the
- * error that remains of a lattice where it was measured without the ball; bench_inclusion map NAME: a map of
- * data/tips/palpation.csv or layers.csv */
+ * places to two depths by a larger sphere, the gain fitted or known; bench_inclusion lattice FIRST LAST: what
+ * a finer lattice shows of the error of another; bench_inclusion map NAME: a map of data/tips/palpation.csv
+ * or layers.csv */
 #include "bench.h"
 
 #include <palpate/palpation.h>
@@ -18,7 +18,7 @@
 #include <time.h>
 
 enum { TRUE_NODES = 12, NODES = 8, GRID = 4, PRESSES = GRID * GRID, STEPS = 4 };
-static const double SIDE = 0.024, RADIUS = 0.004, DEPTH = 1.5e-3, NOISE = 0.005;
+static const double SIDE = 0.024, RADIUS = 0.004, DEPTH = 1.5e-3, NOISE = 0.005, YOUNG = 2e4; /* Pa */
 
 typedef struct stream {
     unsigned long long state;
@@ -148,7 +148,7 @@ static int print_values(int n, palp_palpation_value *const *value, const double 
 }
 
 /* Looks in a map, for n values of a ball or a layer; prints them. Returns what was found. */
-static palp_palpation_kind look(int n_presses, const palp_palpation_press *map, double poisson,
+static palp_palpation_kind look(int n_presses, const palp_palpation_press *map, double poisson, bool of_solid,
                                 bool gain_known, int n, const double *truth, int *inside) {
     static const char *const FOUND[] = {"  none found", "  ball", "  layer"};
     palp_palpation_settings settings = palp_palpation_settings_default();
@@ -159,6 +159,10 @@ static palp_palpation_kind look(int n_presses, const palp_palpation_press *map, 
     settings.gain_known = gain_known;
     make_model(NODES, poisson, &source, &model);
     bench_check(palp_model_mesh(&model, &mesh, NULL), "mesh");
+    if (of_solid) {
+        bench_check(palp_law_of_solid(mesh, poisson, YOUNG, &model.material.law), "law");
+        model.edge_correction = true;
+    }
     const clock_t start = clock();
     bench_check(palp_palpate(&model, mesh, (size_t)n_presses, map, &settings, &p, NULL), "palpate");
     const double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
@@ -244,7 +248,7 @@ static int look_in_map(const char *name) {
         if (n == 0)
             continue;
         printf("%4s", name);
-        look(n, map, 0.3, false, MAPS[k].n, MAPS[k].truth, &inside);
+        look(n, map, 0.3, true, false, MAPS[k].n, MAPS[k].truth, &inside);
         return 0;
     }
     fprintf(stderr, "bench_inclusion: no map called %s\n", name);
@@ -282,7 +286,7 @@ static int look_for_layers(int first, int last, bool gain_known) {
         map_presses(TRUE_NODES, &layer, n, map);
         add_noise(n, map, &s);
         printf("%4d", number);
-        (layer.stiffness == 1.0 ? none : counts)[look(n, map, 0.45, gain_known, 2, truth, &inside)]++;
+        (layer.stiffness == 1.0 ? none : counts)[look(n, map, 0.45, false, gain_known, 2, truth, &inside)]++;
     }
     printf("of %d layers %d found, %d called a ball; of %d without one %d false alarms; %d of %d intervals "
            "cover\n",
@@ -309,43 +313,68 @@ static double trigamma(double x) {
     return sum + (1.0 + 0.5 / x + s * (1.0 / 6.0 - s * (1.0 / 30.0 - s / 42.0))) / x;
 }
 
-/* A lattice 1.6 times as fine corrects another without the ball. The error that remains with the ball, over
- * the correction, both as scatter of a map. Of a scaled inverse chi-squared distribution with k degrees of
- * freedom the logarithm has the variance trigamma(k / 2); the scatter of a map adds its own. */
-static int measure_lattice(int first, int last) {
-    enum { COARSE = 6, FINE = 9, FINEST = 14, PLACES = 4, N = PLACES * PLACES };
-    static const double TIP = 0.005;
-    palp_palpation_press coarse[N], fine[N], finest[N];
-    double taken[N], left[N], balls = 0.0, sum = 0.0, squares = 0.0;
-    const int n = plan_presses(PLACES, 1, TIP, DEPTH, coarse);
-    memcpy(fine, coarse, sizeof fine);
-    memcpy(finest, coarse, sizeof finest);
-    map_presses(COARSE, &NOTHING, n, coarse);
-    map_presses(FINE, &NOTHING, n, fine);
-    compare_maps(n, fine, coarse, taken);
-    printf("%4s %9s %10s %10s\n", "case", "stiffness", "correction", "left");
-    for (int number = first; number <= last; number++) {
-        stream s;
-        double was = 0.0, is = 0.0;
-        const palp_region ball = hide_ball(number, &s);
-        if (ball.stiffness == 1.0)
-            continue;
-        map_presses(COARSE, &ball, n, coarse);
-        map_presses(FINEST, &ball, n, finest);
-        compare_maps(n, finest, coarse, left);
-        for (int i = 0; i < n; i++) {
-            was += taken[i] * taken[i] / n;
-            is += (left[i] - taken[i]) * (left[i] - taken[i]) / n;
-        }
-        const double ratio = log(is / was);
-        balls += 1.0;
-        sum += ratio;
-        squares += ratio * ratio;
-        printf("%4d %9.3g %8.2f %% %8.2f %%\n", number, ball.stiffness, 100.0 * sqrt(was), 100.0 * sqrt(is));
-        fflush(stdout);
+/* What a lattice 1.6 times as fine shows of the error of another, both with the region: the multiple of it
+ * that fits what a still finer one shows, and what then remains over it. */
+static void compare_lattices(const palp_region *region, int n, const palp_palpation_press *plan,
+                             double *multiple, double *remains) {
+    enum { COARSE = 6, FINE = 9, FINEST = 14, MOST = PRESSES + 2 };
+    static const size_t NODES_OF[3] = {COARSE, FINE, FINEST};
+    palp_palpation_press map[3][MOST];
+    double taken[MOST], whole[MOST], along = 0.0, square = 0.0, left = 0.0;
+    for (int i = 0; i < 3; i++) {
+        memcpy(map[i], plan, (size_t)n * sizeof *plan);
+        map_presses(NODES_OF[i], region, n, map[i]);
     }
-    const double variance = (squares - sum * sum / balls) / (balls - 1.0),
-                 own = variance - trigamma(0.5 * (n - 1));
+    compare_maps(n, map[1], map[0], taken);
+    compare_maps(n, map[2], map[0], whole);
+    for (int i = 0; i < n; i++) {
+        along += taken[i] * whole[i];
+        square += taken[i] * taken[i];
+    }
+    *multiple = along / square;
+    for (int i = 0; i < n; i++)
+        left += (whole[i] - *multiple * taken[i]) * (whole[i] - *multiple * taken[i]);
+    *remains = sqrt(left / square);
+}
+
+typedef struct spread {
+    double n, sum, squares;
+} spread;
+
+static void add_to_spread(spread *s, double x) {
+    s->n += 1.0;
+    s->sum += x;
+    s->squares += x * x;
+}
+
+static double variance_of(const spread *s) {
+    return (s->squares - s->sum * s->sum / s->n) / (s->n - 1.0);
+}
+
+/* Of a scaled inverse chi-squared distribution with k degrees of freedom the logarithm has the variance
+ * trigamma(k / 2); the scatter of a map adds its own. */
+static int measure_lattice(int first, int last) {
+    static const double TIP = 0.005, WIDER_TIP = 0.006, DEEPER = 2e-3;
+    palp_palpation_press plan[2][PRESSES + 2];
+    const int n[2] = {plan_presses(GRID, 1, TIP, DEPTH, plan[0]),
+                      plan_presses(3, 2, WIDER_TIP, DEEPER, plan[1])};
+    spread multiples = {0}, logs = {0};
+    printf("%4s %5s %9s %8s %8s\n", "case", "", "stiffness", "multiple", "remains");
+    for (int number = first; number <= last; number++)
+        for (int is_layer = 0; is_layer < 2; is_layer++) {
+            stream s;
+            double multiple, remains;
+            const palp_region region = (is_layer ? hide_layer : hide_ball)(number, &s);
+            if (region.stiffness == 1.0)
+                continue;
+            compare_lattices(&region, n[is_layer], plan[is_layer], &multiple, &remains);
+            add_to_spread(&multiples, multiple);
+            add_to_spread(&logs, 2.0 * log(remains));
+            printf("%4d %5s %9.3g %8.2f %8.2f\n", number, is_layer ? "layer" : "ball", region.stiffness,
+                   multiple, remains);
+            fflush(stdout);
+        }
+    const double own = variance_of(&logs) - trigamma(0.5 * (PRESSES - 2));
     double low = 0.01, high = 1000.0;
     for (int i = 0; i < 60; i++) {
         const double middle = sqrt(low * high);
@@ -354,9 +383,8 @@ static int measure_lattice(int first, int last) {
         else
             high = middle;
     }
-    printf(
-        "left over the correction: %.2f in the geometric mean of %.0f balls, as of %.2g degrees of freedom\n",
-        exp(0.5 * sum / balls), balls, low);
+    printf("multiple %.2f, sd %.2f; remains %.2f in the geometric mean, as of %.2g degrees of freedom\n",
+           multiples.sum / multiples.n, sqrt(variance_of(&multiples)), exp(0.5 * logs.sum / logs.n), low);
     return 0;
 }
 
@@ -386,7 +414,7 @@ int main(int argc, char **argv) {
         const double change = change_by_ball(map, bare);
         add_noise(PRESSES, map, &s);
         printf("%4d %6.1f", number, change);
-        const palp_palpation_kind kind = look(PRESSES, map, 0.45, false, 5, truth, &within);
+        const palp_palpation_kind kind = look(PRESSES, map, 0.45, false, false, 5, truth, &within);
         const bool is_found = kind == PALP_PALPATION_BALL;
         if (ball.stiffness == 1.0) {
             false_alarms += kind != PALP_PALPATION_NONE;

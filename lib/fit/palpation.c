@@ -21,7 +21,7 @@ static void slopes_of_press(const palpation_search *s, const double *slope, size
                             double g[PALPATION_ALL]) {
     for (size_t a = 0; a <= s->kind->n; a++)
         g[a] = slope[a * all + i];
-    g[s->kind->n + 1] = s->gain_share;
+    g[s->kind->n + 1] = 1.0;
 }
 
 /* Information of the search's presses on place, size, stiffness and gain: its factor. */
@@ -29,6 +29,8 @@ static bool factor_information(const palpation_search *s, const double *slope, s
     const size_t parameters = s->kind->n + 2;
     for (size_t a = 0; a < parameters * parameters; a++)
         normal[a] = a % (parameters + 1) == 0 ? 1e-9 : 0.0;
+    if (s->prior[PALPATION_GAIN] > 0.0)
+        normal[parameters * parameters - 1] += s->variance / s->prior[PALPATION_GAIN];
     for (size_t i = 0; i < s->n; i++) {
         double g[PALPATION_ALL];
         slopes_of_press(s, slope, all, i, g);
@@ -149,9 +151,7 @@ static palp_status prepare_search(palpation_search *s, const palp_model *model, 
     palp_mesh_bounds(mesh, s->low, s->high);
     s->shortest = fmin(s->high[0] - s->low[0], fmin(s->high[1] - s->low[1], s->high[2] - s->low[2]));
     status = palpation_use_mesh(s);
-    for (size_t i = 0; i < s->n && !status; i++)
-        s->wanted[i] = log(s->press[i].force_N);
-    return status;
+    return status ? status : palpation_use_errors(s);
 }
 
 /* ---- the answer ----------------------------------------------------------------------------------- */
@@ -163,7 +163,7 @@ static palp_status search_for_all(palpation_search *s, double *residual, palp_pa
                                 *const layer[] = {&r->thickness_m, &r->layer_stiffness};
     palpation_answer a_ball, a_layer;
     s->kind = &palpation_ball;
-    s->planned = 3.0 + 2.0 * (12.0 * PALPATION_STARTS + 9.0 * PALPATION_STIFFNESSES);
+    s->planned = 5.0 + 2.0 * (12.0 * PALPATION_STARTS + 18.0 * PALPATION_STIFFNESSES);
     palp_status status = palpation_measure_lattice(s, error);
     if (!status)
         status = palpation_find(s, &palpation_layer, residual, layer, &a_layer);
@@ -198,7 +198,7 @@ palp_status palp_palpate(const palp_model *model, const palp_mesh *mesh, size_t 
     palp_status status = check_given(model, n, presses, settings, error);
     if (status)
         return status;
-    palpation_search s = {.model = *model, .settings = settings, .n = n, .press = presses, .gain_share = 1.0};
+    palpation_search s = {.model = *model, .settings = settings, .n = n, .press = presses};
     double *residual = malloc(n * sizeof *residual);
     memset(result, 0, sizeof *result);
     status = residual ? prepare_search(&s, model, mesh) : PALP_ERR_NO_MEMORY;

@@ -2,9 +2,7 @@
  */
 #include "palpation_internal.h"
 
-#include "base/dense.h"
 #include "base/file.h"
-#include "base/statistics.h"
 #include "calibrate_internal.h"
 #include "contact/contact_internal.h"
 #include "mesh/mesh_internal.h"
@@ -153,13 +151,6 @@ palp_status palpation_hold(palpation_search *s, double *work) {
     return status;
 }
 
-double palpation_subtract_gain(const palpation_search *s, double *v) {
-    const double mean = statistics_mean(v, s->n), left = 1.0 - s->gain_share;
-    for (size_t i = 0; i < s->n; i++)
-        v[i] -= s->gain_share * mean;
-    return (1.0 - left * left) * mean;
-}
-
 /* slope[n]: derivative of the logarithms of force by a parameter, the last one that of the stiffness. */
 static palp_status slope_by_parameter(palpation_search *s, const double *p, size_t k, double *slope) {
     double next[PALPATION_PLACE];
@@ -206,20 +197,25 @@ palp_status palpation_residuals(void *user, const double *p, double *r, double *
         r[i] = log(s->work[i]) - s->wanted[i];
     if (status)
         return status;
-    s->gain = -palpation_subtract_gain(s, r);
+    palpation_whiten(s, r);
     if (jacobian)
         status = palpation_slopes(s, p, s->kind->n, jacobian);
     for (size_t k = 0; k < s->kind->n && jacobian && !status; k++)
-        palpation_subtract_gain(s, jacobian + k * s->n);
+        palpation_whiten(s, jacobian + k * s->n);
     return status;
+}
+
+palp_status palpation_press_region(palpation_search *s, const double *p, double log_stiffness,
+                                   palp_error *error) {
+    s->log_stiffness = log_stiffness;
+    s->solved = false;
+    palp_status status = palpation_place(s, p);
+    return status ? status : palpation_solve(s, error);
 }
 
 palp_status palpation_press_tissue(palpation_search *s, palp_error *error) {
     double p[PALPATION_PLACE] = {0.0};
     for (size_t k = 0; k + 1 < s->kind->n; k++)
         p[k] = 0.5 * (s->low[k] + s->high[k]) / s->edge;
-    s->log_stiffness = 0.0;
-    s->solved = false;
-    palp_status status = palpation_place(s, p);
-    return status ? status : palpation_solve(s, error);
+    return palpation_press_region(s, p, 0.0, error);
 }

@@ -8,6 +8,7 @@
 /* Parameters of place and size; stiffness and gain too. */
 enum { PALPATION_PLACE = 4, PALPATION_ALL = PALPATION_PLACE + 2 };
 enum { PALPATION_LEVELS = 2 }; /* states of a press: at half its depth and at all of it */
+enum { PALPATION_GAIN, PALPATION_LAW, PALPATION_LATTICE, PALPATION_COMMON };
 enum { PALPATION_STIFFNESSES = 7, PALPATION_STARTS = 3 };
 
 extern const char palpation_region[17];
@@ -32,19 +33,23 @@ typedef struct palpation_search {
     const palp_palpation_press *press;
     double edge, low[3], high[3], shortest; /* m; edge: the mean of the mesh that is searched */
     palp_network *net;
-    double known_squares; /* weight of the prior of the errors, in presses */
-    double known;
-    double gain_sd;    /* of the logarithm of a gain that is known */
-    double gain_share; /* of a mean that is a gain if the errors have their prior size: 1 if it is not known
-                          at all, 0 if exactly */
-    double *x;         /* [3 n_nodes] for each level of each press: the last equilibrium */
-    bool solved;       /* x holds some */
-    double *wanted;    /* [n] logarithms of the measured forces, less the lattice's own error */
-    double *work, *elastic; /* [n] model's, and with the nodes held at x */
-    double *moved;          /* [n] */
-    double log_stiffness;   /* of the region */
-    double gain;
-    double done, planned; /* evaluations */
+    double *measured; /* [n] logarithms of the measured forces */
+    double *bare;     /* [n] the lattice's error of the tissue alone */
+    double *tissue;   /* [n] logarithms of its forces */
+    double *more;     /* [n] what the error with one region is more than that */
+    double *change;   /* [n] of the logarithms of force by that region */
+    double *column;   /* [n PALPATION_COMMON] common errors of the presses, by columns: palpation_errors.c */
+    double prior[PALPATION_COMMON]; /* variances of their multiples, 0: there is none */
+    double *factor;                 /* [n n] of the forces' covariance with them, over the variance of one */
+    double variance;                /* of the latter, for that factor */
+    double known_squares, known;    /* prior of it: degrees of freedom, and these times its size */
+    double *x;                      /* [3 n_nodes] for each level of each press: the last equilibrium */
+    bool solved;                    /* x holds some */
+    double *wanted;                 /* [n] measured, less the most probable multiple of the lattice's error */
+    double *work, *elastic;         /* [n] model's, and with the nodes held at x */
+    double *moved;                  /* [n] */
+    double log_stiffness;           /* of the region */
+    double done, planned;           /* evaluations */
 } palpation_search;
 
 /* A region of one stiffness that fits best. */
@@ -76,20 +81,38 @@ palp_status palpation_solve(palpation_search *s, palp_error *error);
  * energy does not change with them to first order. */
 palp_status palpation_hold(palpation_search *s, double *work);
 
-/* Fits the gain to the logarithms v[n], and returns it. A share of their mean is subtracted. The sum of
- * squares then is that of the best gain, with the square of its own deviation. */
-double palpation_subtract_gain(const palpation_search *s, double *v);
-
 /* slope[n parameters] by columns: derivatives of the logarithms of force by the first parameters of place and
  * size; that by the stiffness follows those of kind->n. The last palpation_solve was of the same p. */
 palp_status palpation_slopes(palpation_search *s, const double *p, size_t parameters, double *slope);
 
-/* A least_squares problem: residuals r[n] of the logarithms of force, with the gain that fits best, and the
- * jacobian[n kind->n] by columns unless NULL. A lost region has large residuals. */
+/* A least_squares problem: whitened residuals r[n] of the logarithms of force, and the jacobian[n kind->n] by
+ * columns unless NULL. A lost region has large residuals. */
 palp_status palpation_residuals(void *user, const double *p, double *r, double *jacobian);
 
-/* Presses the tissue without a region. */
+/* Presses the tissue with the region at p, or without one. */
+palp_status palpation_press_region(palpation_search *s, const double *p, double log_stiffness,
+                                   palp_error *error);
 palp_status palpation_press_tissue(palpation_search *s, palp_error *error);
+
+/* ---- errors that presses have in common: palpation_errors.c ---- */
+
+/* Allocates them, for a lattice without an error. */
+palp_status palpation_use_errors(palpation_search *s);
+
+/* Sets their priors for the lattice's error off[n], whose most probable multiple is taken off the forces.
+ * variance: of a force, 0: not known yet. */
+void palpation_set_errors(palpation_search *s, const double *off, double variance);
+
+/* Whitens logarithms of force v[n] by their covariance, and takes off a gain that is not known at all. Their
+ * sum of squares then is that of the best common errors, with the squares of these over their priors. */
+void palpation_whiten(const palpation_search *s, double *v);
+
+/* The gain by residuals r[n], the model's less the measured ones. */
+double palpation_gain(const palpation_search *s, const double *r);
+
+/* Logarithm of the likelihood of these residuals, but for a constant. The variance of the forces, with its
+ * prior, and all common errors are integrated out. */
+double palpation_likelihood(const palpation_search *s, const double *r);
 
 /* ---- the lattice's own error: palpation_lattice.c ---- */
 
@@ -97,19 +120,27 @@ palp_status palpation_press_tissue(palpation_search *s, palp_error *error);
 palp_status palpation_use_mesh(palpation_search *s);
 void palpation_free(palpation_search *s);
 
-/* A lattice has an error at its borders and between its nodes. It is the logarithm of the ratio of forces, a
- * finer lattice's over its own. Takes that of the tissue alone off the measured forces, but for its mean, and
- * sets the priors of the errors and of a known gain. */
+/* A lattice has an error at its borders, between its nodes and in the region. It is measured as the logarithm
+ * of the ratio of forces, a finer lattice's over its own. The error of the tissue alone, which is pressed: */
 palp_status palpation_measure_lattice(palpation_search *s, palp_error *error);
+
+/* The same error again, after that of a region. */
+void palpation_use_bare_lattice(palpation_search *s);
+
+/* The error with this region; where the network has no equilibrium it stays that of the tissue. */
+palp_status palpation_measure_region(palpation_search *s, const palpation_candidate *c);
+
+/* The error with another, which was solved last: what it is more than that of the tissue goes with the change
+ * of the forces. variance: of the forces. */
+void palpation_use_region(palpation_search *s, double variance);
 
 /* ---- evidence and intervals: palpation_posterior.c ---- */
 
 /* Ends of a parameter's range. */
 void palpation_range(const palpation_search *s, size_t k, double *low, double *high);
 
-/* Logarithm of the likelihood of residuals r[n], of which the gain's share is subtracted, but for a constant.
- * The variance of the forces, with its prior, and the gain are integrated out. */
-double palpation_likelihood(const palpation_search *s, const double *r);
+/* The variance of the forces that is expected with this region. */
+double palpation_variance(const palpation_search *s, const palpation_candidate *c);
 
 /* Degrees of freedom of the presses after so many parameters, and the gain if it is fitted; at least 1. */
 double palpation_freedom(const palpation_search *s, size_t parameters);

@@ -3,14 +3,12 @@
 #include "palpation_internal.h"
 
 #include "base/dense.h"
-#include "base/statistics.h"
 #include "mesh/mesh_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const double KNOWN = 4.0; /* degrees of freedom of the prior of errors (doc/palpation.md) */
 static const double FINER = 1.6; /* cells a side of the finer lattice, over the other's */
 
 static double mean_edge_of(const palp_mesh *mesh) {
@@ -36,6 +34,8 @@ palp_status palpation_use_mesh(palpation_search *s) {
 void palpation_free(palpation_search *s) {
     free(s->x);
     free(s->wanted);
+    free(s->column);
+    free(s->factor);
     free(s->source);
     palp_network_free(s->net);
     palp_mesh_free(s->mesh);
@@ -67,42 +67,52 @@ static palp_status make_finer(const palpation_search *s, palpation_search *f) {
     return status;
 }
 
-/* off[n] of the tissue that s was last pressed with. */
-static palp_status compare_with_finer(const palpation_search *s, double *off) {
+/* off[n]: the error with the region that s was last pressed with, NULL: of the tissue alone. */
+static palp_status compare_with_finer(const palpation_search *s, const double *p, double *off) {
     palpation_search finer;
     palp_status status = make_finer(s, &finer);
     if (!status)
-        status = palpation_press_tissue(&finer, NULL);
+        status = p ? palpation_press_region(&finer, p, s->log_stiffness, NULL)
+                   : palpation_press_tissue(&finer, NULL);
     for (size_t i = 0; i < s->n && !status; i++)
         off[i] = log(finer.work[i]) - log(s->work[i]);
     palpation_free(&finer);
     return status;
 }
 
-/* off[n]: the error less its mean. A common factor stays, as the network may have been calibrated with it:
- * the size of this factor is the standard deviation of a gain that is known. */
-static void set_priors(palpation_search *s, const double *off, double mean) {
-    const double n = (double)s->n, square = dense_dot(s->n, off, off) / n;
-    s->known_squares = KNOWN * square;
-    s->known = square > 0.0 ? KNOWN : 0.0;
-    s->gain_sd = fmax(fabs(mean), 1e-6);
-    if (s->settings->gain_known)
-        s->gain_share = square > 0.0 ? 1.0 - 1.0 / sqrt(1.0 + n * mean * mean / square) : 0.0;
-}
-
 palp_status palpation_measure_lattice(palpation_search *s, palp_error *error) {
-    double *off = s->moved;
     palp_status status = palpation_press_tissue(s, error);
-    memset(off, 0, s->n * sizeof *off);
     if (!status && s->source->kind == PALP_MESH_LATTICE) {
-        status = compare_with_finer(s, off);
+        status = compare_with_finer(s, NULL, s->bare);
         status = palpation_lost(status) ? PALP_OK : status;
     }
-    const double mean = statistics_mean(off, s->n);
-    for (size_t i = 0; i < s->n; i++) {
-        off[i] -= mean;
-        s->wanted[i] -= off[i];
-    }
-    set_priors(s, off, mean);
+    palpation_use_bare_lattice(s);
     return status;
+}
+
+void palpation_use_bare_lattice(palpation_search *s) {
+    palpation_set_errors(s, s->bare, 0.0);
+}
+
+palp_status palpation_measure_region(palpation_search *s, const palpation_candidate *c) {
+    memset(s->more, 0, s->n * sizeof *s->more);
+    memset(s->change, 0, s->n * sizeof *s->change);
+    palp_status status = palpation_press_region(s, c->p, c->log_stiffness, NULL);
+    for (size_t i = 0; i < s->n && !status; i++)
+        s->change[i] = log(s->work[i]) - s->tissue[i];
+    if (!status && s->source->kind == PALP_MESH_LATTICE)
+        status = compare_with_finer(s, c->p, s->moved);
+    for (size_t i = 0; i < s->n && !status; i++)
+        s->more[i] = s->moved[i] - s->bare[i];
+    return palpation_lost(status) ? PALP_OK : status;
+}
+
+void palpation_use_region(palpation_search *s, double variance) {
+    const double square = dense_dot(s->n, s->change, s->change);
+    double along = 0.0;
+    for (size_t i = 0; i < s->n; i++)
+        along += s->change[i] * (log(s->work[i]) - s->tissue[i]);
+    for (size_t i = 0; i < s->n; i++)
+        s->moved[i] = s->bare[i] + (square > 0.0 ? along / square : 0.0) * s->more[i];
+    palpation_set_errors(s, s->moved, variance);
 }

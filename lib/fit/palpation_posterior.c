@@ -23,22 +23,8 @@ void palpation_range(const palpation_search *s, size_t k, double *low, double *h
 
 /* ---- evidence ------------------------------------------------------------------------------------- */
 
-double palpation_likelihood(const palpation_search *s, const double *r) {
-    enum { STEPS = 400 };
-    const double n = (double)s->n, rest = statistics_mean(r, s->n),
-                 own = dense_dot(s->n, r, r) - n * rest * rest + s->known_squares;
-    if (!s->settings->gain_known)
-        return -0.5 * (n - 1.0 + s->known) * log(own);
-    const double mean = rest / (1.0 - s->gain_share), reach = 5.0 * s->gain_sd;
-    double most = -INFINITY, sum = 0.0, at[STEPS + 1];
-    for (int i = 0; i <= STEPS; i++) {
-        const double gain = reach * (2.0 * i / STEPS - 1.0), off = mean - gain, far = 10.0 * i / STEPS - 5.0;
-        at[i] = -0.5 * far * far - 0.5 * (n + s->known) * log(own + n * off * off);
-        most = fmax(most, at[i]);
-    }
-    for (int i = 0; i <= STEPS; i++)
-        sum += exp(at[i] - most);
-    return most + log(sum);
+double palpation_variance(const palpation_search *s, const palpation_candidate *c) {
+    return (c->squares + s->known_squares) / (palpation_freedom(s, 0) + s->known);
 }
 
 double palpation_freedom(const palpation_search *s, size_t parameters) {
@@ -50,7 +36,7 @@ double palpation_freedom(const palpation_search *s, size_t parameters) {
  * mesh and the logarithm of the size over its range, by Laplace's method. none: the likelihood of none. */
 static double evidence_of_region(const palpation_search *s, const palpation_candidate *c, double none) {
     const size_t n = s->kind->n;
-    const double variance = (c->squares + s->known_squares) / (palpation_freedom(s, 0) + s->known);
+    const double variance = palpation_variance(s, c);
     double normal[PALPATION_PLACE * PALPATION_PLACE];
     if (!c->known)
         return -INFINITY;

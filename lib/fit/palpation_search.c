@@ -10,8 +10,8 @@
 #include <string.h>
 
 enum { SCAN = 5, THICKNESSES = 8 };
-static const double FIRST = 6.0;   /* the stiffness that is tried first */
-static const double SCANNED = 1.5; /* that of the scan, which is linear in its logarithm */
+enum { MIDDLE = PALPATION_STIFFNESSES / 2 }; /* the stiffness that is tried first */
+static const double SCANNED = 1.5;           /* that of the scan, which is linear in its logarithm */
 
 /* ---- the fit for one stiffness -------------------------------------------------------------------- */
 
@@ -51,7 +51,7 @@ static void measure_normal(const palpation_search *s, palpation_candidate *c, do
     const size_t n = s->kind->n;
     double normal[PALPATION_PLACE * PALPATION_PLACE], along[PALPATION_PLACE];
     for (size_t k = 0; k <= n; k++)
-        palpation_subtract_gain(s, slope + k * s->n);
+        palpation_whiten(s, slope + k * s->n);
     dense_transposed_product(n, n, s->n, slope, slope, normal);
     memset(c->covariance, 0, sizeof c->covariance);
     for (size_t k = 0; k < n; k++)
@@ -66,6 +66,12 @@ static void measure_normal(const palpation_search *s, palpation_candidate *c, do
     memcpy(c->along, along, n * sizeof *along);
 }
 
+/* r[n]: logarithms of the forces that were solved last, less those wanted. */
+static void find_differences(const palpation_search *s, double *r) {
+    for (size_t i = 0; i < s->n; i++)
+        r[i] = log(s->work[i]) - s->wanted[i];
+}
+
 /* Likelihood, gain and what measure_normal finds, at the region found. */
 static palp_status measure_region(palpation_search *s, palpation_candidate *c) {
     const size_t n = s->kind->n;
@@ -76,11 +82,15 @@ static palp_status measure_region(palpation_search *s, palpation_candidate *c) {
     memset(c->along, 0, sizeof c->along);
     s->log_stiffness = c->log_stiffness;
     palp_status status = palpation_residuals(s, c->p, r, NULL);
-    if (!status) {
+    if (!status)
         c->squares = dense_dot(s->n, r, r);
+    if (!status && !s->solved)
+        status = PALP_ERR_NOT_CONVERGED;
+    if (!status) {
+        find_differences(s, r);
         c->likelihood = palpation_likelihood(s, r);
-        c->gain = s->gain;
-        status = s->solved ? palpation_slopes(s, c->p, n + 1, slope) : PALP_ERR_NOT_CONVERGED;
+        c->gain = palpation_gain(s, r);
+        status = palpation_slopes(s, c->p, n + 1, slope);
     }
     if (!status)
         measure_normal(s, c, slope);
@@ -109,11 +119,11 @@ static palp_status score_of_place(palpation_search *s, const double *residual, c
         s->moved[i] = (s->moved[i] - s->elastic[i]) / s->work[i];
     if (status)
         return status;
-    palpation_subtract_gain(s, s->moved);
+    palpation_whiten(s, s->moved);
     along = dense_dot(s->n, s->moved, residual);
     square = dense_dot(s->n, s->moved, s->moved);
     *score = square > 0.0 ? along * along / square : 0.0;
-    *sign = along > 0.0 ? 1.0 : -1.0;
+    *sign = along < 0.0 ? 1.0 : -1.0; /* residuals are the model's less the measured ones */
     return PALP_OK;
 }
 
@@ -196,16 +206,19 @@ static palp_status scan_for_starts(palpation_search *s, const double *residual,
 
 /* ---- all stiffnesses ------------------------------------------------------------------------------ */
 
-/* Residuals of the tissue alone. */
-static palp_status find_residuals_of_tissue(palpation_search *s, double *residual) {
+/* Residuals of the tissue alone, whitened, and their likelihood. */
+static palp_status find_residuals_of_tissue(palpation_search *s, double *residual, double *likelihood) {
     palp_status status = palpation_press_tissue(s, NULL);
     if (!status)
         status = palpation_hold(s, s->elastic);
-    for (size_t i = 0; i < s->n && !status; i++)
-        residual[i] = s->wanted[i] - log(s->work[i]);
-    if (!status)
-        palpation_subtract_gain(s, residual);
-    return status;
+    if (status)
+        return status;
+    for (size_t i = 0; i < s->n; i++)
+        s->tissue[i] = log(s->work[i]);
+    find_differences(s, residual);
+    *likelihood = palpation_likelihood(s, residual);
+    palpation_whiten(s, residual);
+    return PALP_OK;
 }
 
 static palp_status fit_first_region(palpation_search *s, const start found[PALPATION_STARTS],
@@ -213,7 +226,7 @@ static palp_status fit_first_region(palpation_search *s, const start found[PALPA
     palp_status status = PALP_OK;
     best->squares = INFINITY;
     for (size_t i = 0; i < PALPATION_STARTS && !status; i++) {
-        palpation_candidate c = {.log_stiffness = found[i].sign * log(FIRST)};
+        palpation_candidate c = {.log_stiffness = found[i].sign * log(palpation_stiffness[MIDDLE])};
         if (!(found[i].score > 0.0))
             continue;
         memcpy(c.p, found[i].p, sizeof c.p);
@@ -228,22 +241,30 @@ static palp_status fit_first_region(palpation_search *s, const start found[PALPA
 static palp_status fit_all_stiffnesses(palpation_search *s, const palpation_candidate *first,
                                        palpation_candidate found[PALPATION_STIFFNESSES]) {
     const double sign = first->log_stiffness > 0.0 ? 1.0 : -1.0;
-    size_t middle = 0;
     palp_status status = PALP_OK;
-    while (middle + 1 < PALPATION_STIFFNESSES && palpation_stiffness[middle] < FIRST)
-        middle++;
     for (size_t turn = 0; turn < PALPATION_STIFFNESSES && !status; turn++) {
         const size_t i =
-            turn < PALPATION_STIFFNESSES - middle ? middle + turn : PALPATION_STIFFNESSES - 1 - turn;
-        const palpation_candidate *from = i == middle ? first : i > middle ? &found[i - 1] : &found[i + 1];
+            turn < PALPATION_STIFFNESSES - MIDDLE ? MIDDLE + turn : PALPATION_STIFFNESSES - 1 - turn;
+        const palpation_candidate *from = i == MIDDLE ? first : i > MIDDLE ? &found[i - 1] : &found[i + 1];
         found[i] = *from;
         found[i].log_stiffness = sign * log(palpation_stiffness[i]);
-        if (i != middle)
+        if (i != MIDDLE)
             status = fit_region(s, 8, &found[i]);
         if (!status)
             status = measure_region(s, &found[i]);
     }
     return status;
+}
+
+/* A region again, from itself, with the lattice's error with it. variance: of the forces. */
+static palp_status fit_with_own_error(palpation_search *s, double variance, palpation_candidate *c) {
+    palp_status status = palpation_press_region(s, c->p, c->log_stiffness, NULL);
+    if (!status)
+        palpation_use_region(s, variance);
+    if (status && !palpation_lost(status))
+        return status;
+    status = fit_region(s, 8, c);
+    return status ? status : measure_region(s, c);
 }
 
 palp_status palpation_find(palpation_search *s, const palpation_kind *kind, double *residual,
@@ -252,14 +273,22 @@ palp_status palpation_find(palpation_search *s, const palpation_kind *kind, doub
     palpation_candidate first = {0}, found[PALPATION_STIFFNESSES];
     double posterior[PALPATION_STIFFNESSES];
     s->kind = kind;
-    palp_status status = find_residuals_of_tissue(s, residual);
-    const double none = status ? 0.0 : palpation_likelihood(s, residual);
+    palpation_use_bare_lattice(s);
+    double none;
+    palp_status status = find_residuals_of_tissue(s, residual, &none);
     if (!status)
         status = scan_for_starts(s, residual, from);
     if (!status)
         status = fit_first_region(s, from, &first);
     if (!status)
         status = fit_all_stiffnesses(s, &first, found);
+    if (status)
+        return status;
+    palpation_evidence(s, found, none, posterior);
+    const double variance = palpation_variance(s, &found[palpation_intervals(s, found, posterior, value)]);
+    status = palpation_measure_region(s, &found[MIDDLE]);
+    for (size_t i = 0; i < PALPATION_STIFFNESSES && !status; i++)
+        status = fit_with_own_error(s, variance, &found[i]);
     if (status)
         return status;
     a->evidence = palpation_evidence(s, found, none, posterior);
