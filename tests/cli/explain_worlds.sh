@@ -10,6 +10,7 @@ ${CC:-cc} -std=c99 -O2 -ffp-contract=off "$hidden"/worlds/*.c "$hidden/random.c"
 ./worlds --self-test >out || fail "the generator: $(grep WRONG out)"
 [ "$(grep -c "chi2 of a sample" out)" -eq 5 ] || fail "the noise of five laboratories was not looked at"
 python3 "$hidden/worlds/judge.py" --self-test || fail "the judge"
+python3 "$hidden/constants.py" --list >out 2>&1 || fail "$(cat out)"
 
 # An answer that is not there is no right answer, and the exit code says so.
 printf '{"seed": 1, "set": "all", "cases": [{"case": "case_001", "world": "cheap", "arms": 1, "effect": null, "outside": "", "nats": 0, "cosine": {}}]}' >truth.json
