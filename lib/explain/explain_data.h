@@ -61,7 +61,6 @@ typedef struct explain_data {
     double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
     double stride;              /* largest way between two samples, of the run where it is least, m */
     effect_shown shown;         /* how the plate moves in them */
-    bool one_speed;             /* all runs press at one speed, without a pause or a way back */
     size_t n_specimens;         /* that the files of the runs that are fitted name; at least 1 */
     size_t n_replicates;        /* runs with the path of an earlier one */
     double pull, pull_most;     /* the strongest recorded before a plate let go; the smallest that is too

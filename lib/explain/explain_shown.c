@@ -4,8 +4,6 @@
 #include <math.h>
 
 static const double PRESSED = 0.05; /* of the deepest: from there on a run presses */
-static const double ONE_SPEED =
-    1.5; /* a smaller ratio of the fastest to the slowest speed cannot separate rate effects from the law */
 
 /* Widens the range of a run's mean speeds over twentieths of the time that it presses. */
 static void add_speeds(const explain_run *run, double deepest, double *slowest, double *fastest) {
@@ -62,5 +60,4 @@ void explain_shown_find(explain_data *data) {
     }
     shown->speeds = !(slowest > 0.0) ? HUGE_VAL : slowest < HUGE_VAL ? fastest / slowest : 1.0;
     shown->depths = least < HUGE_VAL ? data->deepest / least : 1.0;
-    data->one_speed = shown->speeds < ONE_SPEED;
 }

@@ -79,6 +79,9 @@ static double gains(const infer_noise *noise, size_t n, const double *time, cons
     return log_det;
 }
 
+/* The two functions below are written for so many slow processes. */
+typedef char infer_four_processes[INFER_SLOW == 4 ? 1 : -1];
+
 /* One sample of all columns, y[count], and the states [S count] after it. Four states and the encoder's are
  * written out, so that a compiler takes several columns at once. */
 static void whiten_sample(const kept *at, size_t count, double *restrict state, double *restrict y) {
