@@ -17,6 +17,10 @@ typedef enum palp_mesh_kind { PALP_MESH_LATTICE, PALP_MESH_FILE } palp_mesh_kind
 
 enum { PALP_PATH_MAX = 4096, PALP_SPECIMEN_KIND_MAX = 32 };
 
+/* The stiffness of a law that is read or written must be positive up to this strain, and over its measured
+ * range. */
+#define PALP_MODEL_STRAIN 0.4
+
 /* How the mesh of a network model is made, and its regions. It takes 20 KB, so models point to it. A relative
  * path is taken from the folder of the model file. */
 typedef struct palp_mesh_source {

@@ -6,9 +6,6 @@
 
 #include "base/json.h"
 
-/* K of a model that is read or written must be positive up to this strain, and over the measured range. */
-#define PALP_MODEL_STRAIN 0.4
-
 /* The lowest K in that range, N. */
 double palp_model_lowest(const palp_law *law);
 

@@ -141,17 +141,15 @@ static double deepest_strain(const palp_model *model, size_t n, palp_experiment 
     return deepest;
 }
 
-/* To this strain a model file must have a stiffness above 0. A law without a measured range may fall below it
- * beyond the runs; then it holds as deep as they go. */
-static const double FILE_STRAIN = 0.4;
-
+/* A law without a measured range may fall to a stiffness of 0 beyond the runs, where a model file must have
+ * one. Then it holds as deep as they go. */
 static int write_out(const explain_options *o, const palp_explanation *e, palp_experiment *const *run) {
     palp_error error;
     int code = CLI_OK;
     palp_model model = e->model;
     palp_law *law = &model.material.law;
     palp_law_limit(law, law->strain_max); /* of the coefficients that were found */
-    if (!(law->strain_max > 0) && !(palp_law_minimum(law, FILE_STRAIN) > 0))
+    if (!(law->strain_max > 0) && !(palp_law_minimum(law, PALP_MODEL_STRAIN) > 0))
         palp_law_limit(law, deepest_strain(&model, o->n_words, run));
     if (o->out && palp_model_write(&model, o->out, &error))
         code = cli_status(NAME, error.status, &error);

@@ -142,6 +142,7 @@ int open_runs(const char *command, size_t n, const char *const *files, size_t ev
         input[r] = (palp_explain_input){run[r], files[r]};
     }
     if (picked > 1 && !every)
-        cli_note(command, "one sample in %zu of each run is taken", picked);
+        cli_note(command, "one sample in %zu of each run is taken, and those between where its path bends",
+                 picked);
     return CLI_OK;
 }
