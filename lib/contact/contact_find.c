@@ -10,8 +10,6 @@ enum { FEWEST = 3, MOST = 12 };   /* parts of a triangle's edge, for fixed point
 static const double FINE = 2.5;   /* of them on the way of a tool's radius, at least */
 static const double MIDDLE = 0.1; /* pull to the middle of a triangle, so that the nearest point is one also
                                      where a capsule lies flat on it */
-static const double STEEP =
-    0.5; /* cosine between tool and triangle below which a contact's stiffness falls, to 0 at 90 deg */
 
 double contact_distance(const palp_tool *tool, const double point[3]) {
     double d[3];
@@ -93,16 +91,22 @@ double contact_slid(const contact_set *set, const contact *c, const double *x) {
     return fabs(nearest_point_on_axis(&set->pose[c->tool], corner) - c->along);
 }
 
-/* 1 where the tool meets a surface with this normal from above, less from the side, 0 from behind. */
+/* 1 where the tool meets a surface with this normal from above, less from the side, 0 from behind. A point
+ * within a hull is as below a rounding of its own depth there: less near the outline of the face, to 0 on it.
+ */
 static double fade_by_surface_normal(const palp_tool *tool, const double normal[3], const contact *c) {
-    double to[3], length = sqrt(dot3(normal, normal));
+    const double length = sqrt(dot3(normal, normal));
+    double to[3], cosine = 0.0;
+    if (tool->shape == PALP_TOOL_HULL) {
+        const double within = fmax(c->depth - tool->radius_m, 0.0), slant = hypot(c->inset, within);
+        cosine = length > 0.0 ? -dot3(c->normal, normal) / length : 0.0;
+        return hull_facing(within > 0.0 ? cosine * c->inset / slant : cosine);
+    }
     along3(tool->position_m, c->along, tool->axis, to);
     along3(to, -1.0, c->point, to);
-    double cosine =
-        length > 0.0 && c->distance > 0.0 ? dot3(to, normal) / (length * c->distance * STEEP) : 0.0;
-    if (tool->shape == PALP_TOOL_HULL)
-        cosine = length > 0.0 ? contact_hull_facing(tool, c, normal) / (length * STEEP) : 0.0;
-    return cosine >= 1.0 ? 1.0 : cosine > 0.0 ? cosine * cosine * (3.0 - 2.0 * cosine) : 0.0;
+    if (length > 0.0 && c->distance > 0.0)
+        cosine = dot3(to, normal) / (length * c->distance);
+    return hull_facing(cosine);
 }
 
 /* Factor of a contact's stiffness: 1 where the tool meets the triangle from above, less from the side, 0 from
@@ -287,8 +291,7 @@ static void find_node_contacts(search *s, int32_t tool, double reach) {
 }
 
 /* Factor of the stiffness of a node's contact, by the mean normal of its triangles. */
-static double node_facing_factor(const contact_set *set, const palp_tool *tool, const contact *c,
-                                 const double *x) {
+static double node_facing_factor(const contact_set *set, const palp_tool *tool, contact *c, const double *x) {
     double normal[3] = {0.0}, own[3];
     const int32_t node = c->node[0];
     if (tool->shape == PALP_TOOL_PLANE)
@@ -297,6 +300,10 @@ static double node_facing_factor(const contact_set *set, const palp_tool *tool, 
         const int32_t *t = set->surface + 3 * set->points.around[i];
         triangle_normal(x + 3 * t[0], x + 3 * t[1], x + 3 * t[2], own);
         along3(normal, 1.0, own, normal);
+    }
+    if (tool->shape == PALP_TOOL_HULL) {
+        memcpy(c->outward, normal, sizeof normal);
+        contact_measure(tool, c, x);
     }
     return fade_by_surface_normal(tool, normal, c);
 }
@@ -310,7 +317,7 @@ static double local_compliance(double radius_in_spacings) {
 }
 
 /* The penalty of a point of a smooth surface: for a sphere or capsule what the tissue below lacks in the
- * mesh. A plane or hull touches all nodes, however its force is spread. */
+ * mesh. A plane or hull touches all nodes, however its force is spread; a hull has the law below besides. */
 static double stiffness_of_node_contact(const contact_set *set, const palp_tool *tool, int32_t node) {
     if (contact_tool_is_round(tool))
         return set->solid * set->modulus * set->local[node] / local_compliance(tool->radius_m / set->spacing);
@@ -326,7 +333,11 @@ static void find_point_contacts(search *s, int32_t tool, double reach) {
         contact_measure(pose, &c, s->x);
         if (!(c.depth > -reach))
             continue;
-        c.stiffness = node_facing_factor(set, pose, &c, s->x) * stiffness_of_node_contact(set, pose, node);
+        const double factor = node_facing_factor(set, pose, &c, s->x);
+        c.stiffness = factor * stiffness_of_node_contact(set, pose, node);
+        if (pose->shape == PALP_TOOL_HULL && set->local)
+            contact_hull_law(set, pose, factor * set->solid * set->modulus * set->local[node], set->spacing,
+                             &c);
         if (c.stiffness > 0.0)
             add_contact_to_set(s, &c);
     }
@@ -410,7 +421,8 @@ static void find_point_of_triangle(search *s, const facet *f, double reach, int 
         set->n_contacts++;
 }
 
-/* A hull has the penalty of a plane there, less where it meets the triangle from the side. */
+/* A hull has the penalty of a plane there and the local compliance below its rim, less where it meets the
+ * triangle from the side. */
 static void find_point_in_hull(search *s, const facet *f, double reach, int part, const double share[3]) {
     const palp_tool *pose = &s->set->pose[f->tool];
     contact c = {.tool = f->tool,
@@ -418,11 +430,14 @@ static void find_point_in_hull(search *s, const facet *f, double reach, int part
                  .corners = 3,
                  .part = part,
                  .share = {share[0], share[1], share[2]}};
+    memcpy(c.outward, s->now.outward, sizeof c.outward);
     contact_measure(pose, &c, s->x);
     if (!(c.depth > -reach))
         return;
-    c.stiffness =
-        s->set->settings.stiffness * f->stiffness * fade_by_surface_normal(pose, s->now.outward, &c);
+    const double stiffness = f->stiffness * fade_by_surface_normal(pose, s->now.outward, &c);
+    c.stiffness = s->set->settings.stiffness * stiffness;
+    if (s->set->settings.local)
+        contact_hull_law(s->set, pose, contact_patch(s->set, stiffness), f->spacing, &c);
     if (c.stiffness > 0.0)
         add_contact_to_set(s, &c);
 }

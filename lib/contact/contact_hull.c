@@ -26,8 +26,9 @@ static void point_of_hull(const palp_tool *tool, const double place[3], double p
     along3(point, 1.0, tool->position_m, point);
 }
 
-static void measure_point(const palp_tool *tool, const double point[3], hull_near *near) {
-    double arm[3], place[3];
+/* place: the point in the hull's frame. */
+static void measure_point(const palp_tool *tool, const double point[3], double place[3], hull_near *near) {
+    double arm[3];
     along3(point, -1.0, tool->position_m, arm);
     turn_vector(tool->orientation, -1.0, arm, place);
     hull_measure(hull_of_tool(tool), place, near);
@@ -35,31 +36,38 @@ static void measure_point(const palp_tool *tool, const double point[3], hull_nea
 
 double contact_hull_distance(const palp_tool *tool, const double point[3]) {
     hull_near near;
-    measure_point(tool, point, &near);
+    double place[3];
+    measure_point(tool, point, place, &near);
     return fmax(near.distance, 0.0);
+}
+
+/* A point within the hull leaves it by the face that the surface there meets. */
+static void leave_hull(const palp_tool *tool, const double outward[3], const double place[3],
+                       hull_near *near) {
+    double way[3];
+    turn_vector(tool->orientation, -1.0, outward, way);
+    const hull_face *exit = hull_exit(hull_of_tool(tool), place, way);
+    if (!exit)
+        return;
+    near->face = exit;
+    near->distance = dot3(exit->normal, place) - exit->offset;
+    memcpy(near->normal, exit->normal, sizeof near->normal);
 }
 
 void contact_hull_measure(const palp_tool *tool, contact *c, const double *x) {
     hull_near near;
+    double place[3];
     contact_point(c, c->share, x, c->point);
-    measure_point(tool, c->point, &near);
+    measure_point(tool, c->point, place, &near);
+    if (near.distance < 0.0)
+        leave_hull(tool, c->outward, place, &near);
     turn_vector(tool->orientation, 1.0, near.normal, c->normal);
     c->round = near.round;
     if (near.round)
         turn_vector(tool->orientation, 1.0, near.along, c->straight);
+    c->inset = near.face ? hull_inset(hull_of_tool(tool), near.face, place) : 0.0;
     c->distance = fmax(near.distance, 0.0);
     c->depth = tool->radius_m - near.distance;
-}
-
-double contact_hull_facing(const palp_tool *tool, const contact *c, const double normal[3]) {
-    double arm[3], place[3], way[3];
-    if (c->distance > 0.0)
-        return -dot3(c->normal, normal);
-    along3(c->point, -1.0, tool->position_m, arm);
-    turn_vector(tool->orientation, -1.0, arm, place);
-    turn_vector(tool->orientation, -1.0, normal, way);
-    const hull_face *face = hull_exit(hull_of_tool(tool), place, way);
-    return face ? -dot3(face->normal, way) : 0.0;
 }
 
 void contact_hull_centre(const palp_tool *tool, double point[3]) {

@@ -42,7 +42,7 @@ typedef struct contact {
     int32_t corners, part; /* part: which of the fixed points of its triangle */
     bool fixed;            /* a fixed point of a triangle in a sphere or capsule (contact_face.c) */
     bool tissue;           /* the tool is a node of the surface (contact_self.c) */
-    contact_law law;       /* of a fixed point */
+    contact_law law;       /* of a fixed point or a hull's with local compliance; hard = 0: none */
     double early;          /* depth outside the tool at which its smoothing begins, m */
     double
         along; /* position on a capsule's axis of the nearest sphere, m; constant in a step for a triangle */
@@ -66,6 +66,8 @@ typedef struct contact {
                         hull's points, 0 within */
     bool round;      /* the nearest point of a hull is on an edge or a corner */
     double straight[3]; /* if so, unit vector along that edge; 0 at a corner */
+    double outward[3];  /* of a point near a hull: normal of the surface there, constant in a step */
+    double inset;       /* if it is over a face, its distance from the face's outline, m; else 0 */
     double point[3];
     double normal[3];         /* unit vector from the tool into the tissue */
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
@@ -274,10 +276,6 @@ void contact_hull_box(const palp_tool *tool, double around, double low[3], doubl
 /* As contact_measure for a hull: of the point with the contact's shares, which stay. */
 void contact_hull_measure(const palp_tool *tool, contact *c, const double *x);
 
-/* Product of a surface's outward normal, reversed, and the direction from the hull to a contact's point; of a
- * point within the hull, the normal of the face by which it leaves it if it goes into the surface. */
-double contact_hull_facing(const palp_tool *tool, const contact *c, const double normal[3]);
-
 /* Half the least thickness of a hull, or another tool's radius, m. */
 double contact_thickness(const palp_tool *tool);
 
@@ -326,6 +324,16 @@ void contact_face_push(const contact *c, int i, double force[3]);
 /* Gives a contact its law: stiffness, N/m, is its part of that of its nodes, spacing that of the mesh there.
  */
 void contact_face_law(const contact_set *set, const palp_tool *tool, double stiffness, double spacing,
+                      contact *c);
+
+/* Young's modulus times the area of a point over the spacing, N/m, as the terms of that law have it which
+ * take off the mesh's own compliance; stiffness as above. */
+double contact_patch(const contact_set *set, double stiffness);
+
+/* Gives a hull's point with the stiffness of its penalty the local compliance below the rim of a face, to the
+ * depth of the hull's radius and half its thickness. Beyond that the penalty is added. patch: Young's modulus
+ * times the point's area over the spacing, N/m. */
+void contact_hull_law(const contact_set *set, const palp_tool *tool, double patch, double spacing,
                       contact *c);
 
 /* ---- terms of a network ---- */

@@ -179,12 +179,13 @@ static double penalty_force_at_depth(const contact_set *set, const contact *c, d
 }
 
 static double elastic_force_at_depth(const contact_set *set, const contact *c, double d, double *slope) {
-    return c->fixed ? contact_face_elastic(set, c, d, slope) : penalty_force_at_depth(set, c, d, slope);
+    return c->law.hard > 0.0 ? contact_face_elastic(set, c, d, slope)
+                             : penalty_force_at_depth(set, c, d, slope);
 }
 
 static double elastic_energy_at_depth(const contact_set *set, const contact *c, double d) {
     double smooth = set->settings.smoothing * set->edge;
-    if (c->fixed)
+    if (c->law.hard > 0.0)
         return contact_face_energy(set, c, d);
     if (d < smooth)
         return c->stiffness * d * d * d / (6.0 * smooth);
@@ -192,7 +193,7 @@ static double elastic_energy_at_depth(const contact_set *set, const contact *c, 
 }
 
 bool contact_relaxes(const contact_set *set, const contact *c) {
-    return c->fixed || (set->local && contact_tool_is_round(&set->tool[c->tool]));
+    return (set->settings.local || set->local) && set->tool[c->tool].shape != PALP_TOOL_PLANE;
 }
 
 static double instant_share(const contact_set *set, const contact *c) {

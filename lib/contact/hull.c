@@ -9,6 +9,8 @@
 
 static const double FLAT = 1e-6; /* of the size: so near to a plane or line a point is on it */
 
+static const double STEEP = 0.5; /* cosine below which a tool meets a surface from the side, to 0 at 90 deg */
+
 /* What the hull is made of. A set of points is a word with a bit for each. */
 typedef struct making {
     palp_hull *hull;
@@ -240,6 +242,7 @@ static bool is_over_face(const palp_hull *hull, const hull_face *face, const dou
 }
 
 static void be_near_face(const hull_face *face, double height, hull_near *near) {
+    near->face = face;
     near->distance = height;
     near->round = false;
     memcpy(near->normal, face->normal, sizeof near->normal);
@@ -272,16 +275,33 @@ void hull_measure(const palp_hull *hull, const double point[3], hull_near *near)
         near->normal[k] /= distance;
 }
 
-const hull_face *hull_exit(const palp_hull *hull, const double point[3], const double direction[3]) {
+double hull_facing(double cosine) {
+    const double part = cosine / STEEP;
+    return part >= 1.0 ? 1.0 : part > 0.0 ? part * part * (3.0 - 2.0 * part) : 0.0;
+}
+
+const hull_face *hull_exit(const palp_hull *hull, const double point[3], const double outward[3]) {
     const hull_face *exit = NULL;
+    const double length = sqrt(dot3(outward, outward));
     double least = INFINITY;
-    for (size_t f = 0; f < hull->n_faces; f++) {
+    for (size_t f = 0; f < hull->n_faces && length > 0.0; f++) {
         const hull_face *face = &hull->face[f];
-        const double out = -dot3(face->normal, direction), depth = face->offset - dot3(face->normal, point);
-        if (out > 0.0 && depth < least * out) {
-            least = depth / out;
+        const double facing = hull_facing(-dot3(face->normal, outward) / length),
+                     depth = face->offset - dot3(face->normal, point);
+        if (depth < least * facing) {
+            least = depth / facing;
             exit = face;
         }
     }
     return exit;
+}
+
+double hull_inset(const palp_hull *hull, const hull_face *face, const double point[3]) {
+    double inset = INFINITY;
+    for (size_t i = face->first; i < face->first + face->n; i++) {
+        double d[3];
+        along3(point, -1.0, hull->edge[i].start, d);
+        inset = fmin(inset, -dot3(d, hull->edge[i].out));
+    }
+    return fmax(inset, 0.0);
 }

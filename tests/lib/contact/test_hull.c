@@ -136,13 +136,17 @@ START_TEST(distance_to_any_hull) {
 }
 END_TEST
 
-/* Out of a box against a direction: by the face that is met first. */
+/* Out of a box by the surface's normal: by a face that it meets, and by one at its side only where that is
+ * much nearer. */
 START_TEST(exit_of_a_box) {
     palp_hull *hull = box_hull(1.0, 2.0, 0.5);
     const double point[3] = {0.9, -1.5, 0.0};
     const hull_face *aside = hull_exit(hull, point, (const double[]){-1.0, 0.0, 0.0}),
                     *down = hull_exit(hull, point, (const double[]){0.0, 1.0, 0.0}),
                     *slant = hull_exit(hull, point, (const double[]){-0.28, 0.96, 0.0});
+    ck_assert_ptr_null(hull_exit(hull, point, (const double[]){0.0, 0.0, 0.0}));
+    ck_assert_double_eq_tol(hull_inset(hull, down, point), 0.1, 1e-15);
+    ck_assert_double_eq_tol(hull_inset(hull, aside, point), 0.5, 1e-15);
     ck_assert_double_eq(aside->normal[0], 1.0);
     ck_assert_double_eq(down->normal[1], -1.0);
     ck_assert_ptr_eq(slant, aside);
@@ -159,7 +163,16 @@ static void place(setting *s, const palp_hull *hull, const double position[3]) {
     place_alone(s, &tool);
 }
 
-/* _i: at a face, an edge, a corner and inside; shallow, where the penalty is quadratic, and deep. A point of
+/* A vector of the hull's frame. */
+static void turned(const palp_tool *tool, const double v[3], double out[3]) {
+    const palp_tool none = {.shape = PALP_TOOL_HULL};
+    double moved[3] = {0.0};
+    contact_turn_arm(&none, tool, v, moved);
+    along3(v, 1.0, moved, out);
+}
+
+/* _i: at a face, an edge, a corner and inside; shallow, where the penalty is quadratic, deep, and with local
+ * compliance, of which the last leaves the hull by the face that its surface meets. A point of
  * the box's own frame is put at the point of the triangle. */
 START_TEST(pressure_is_the_slope_of_the_energy) {
     static const double at[4][3] = {{0.2, 1.0, 0.3}, {1.0, 1.0, 0.2}, {1.0, 1.0, 1.0}, {0.1, 0.9, 0.2}},
@@ -167,18 +180,20 @@ START_TEST(pressure_is_the_slope_of_the_energy) {
     palp_hull *hull = box_hull(1, 1, 1);
     const int feature = _i % 4;
     const double depth = _i < 4 ? 0.06 : 0.2; /* smoothing ends at 0.1 */
-    double x[9] = {0, 0, 0, 1, 0, 0, 0.5, 0, 0.8}, local[3], point[3], moved[3] = {0.0};
-    const palp_tool none = {.shape = PALP_TOOL_HULL};
+    double x[9] = {0, 0, 0, 1, 0, 0, 0.5, 0, 0.8}, local[3], point[3];
     setting s;
     place(&s, hull, (const double[]){0, 0, 0});
     contact_point(&s.c, s.c.share, x, point);
     along3(at[feature], 0.3 - depth, out[feature], local);
-    contact_turn_arm(&none, &s.tool, local, moved);
-    along3(local, 1.0, moved, local);
+    turned(&s.tool, local, local);
     along3(point, -1.0, local, local);
     place(&s, hull, local);
+    if (_i >= 8)
+        s.c.law = (contact_law){.linear = 0.3 * s.c.stiffness, .hard = s.c.stiffness, .limit = 0.13};
+    if (_i >= 12) /* it leaves by another face than the nearest */
+        turned(&s.tool, (const double[]){-1.0, 0.1, 0.0}, s.c.outward);
     contact_evaluate(&s.set, &s.c, x);
-    ck_assert_double_eq_tol(s.c.depth, feature < 3 ? depth : 0.4, 1e-12);
+    ck_assert_double_eq_tol(s.c.depth, feature < 3 ? depth : _i < 12 ? 0.4 : 1.2, 1e-12);
     ck_assert(s.c.round == (feature == 1 || feature == 2));
     check_derivatives(&s, x, 1e-8, 1e-7);
     palp_hull_free(hull);
@@ -191,5 +206,5 @@ void tests(TCase *tc) {
     tcase_add_test(tc, distance_to_a_box);
     tcase_add_test(tc, distance_to_any_hull);
     tcase_add_test(tc, exit_of_a_box);
-    tcase_add_loop_test(tc, pressure_is_the_slope_of_the_energy, 0, 8);
+    tcase_add_loop_test(tc, pressure_is_the_slope_of_the_energy, 0, 16);
 }

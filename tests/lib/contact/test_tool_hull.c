@@ -14,8 +14,8 @@ static palp_contact_settings touching(bool local, size_t subdivisions) {
 /* ---- beside other shapes --------------------------------------------------------------------------- */
 
 /* A box wider than the block. Its points between the nodes share the penalty, so that it is a little softer:
- * by 1.6 % at 5 nodes a side and 0.7 % at 7, rough by 2.1 % and 1.1 %. A smooth surface has the same points
- * for both. */
+ * by 1.6 % at 5 nodes a side and 0.7 % at 7, rough by 2.1 % and 1.1 %. On a smooth surface its rim, which is
+ * beside the block, still leaves a little local compliance. */
 START_TEST(a_wide_box_is_a_plane) {
     palp_material m = linear();
     palp_hull *hull = box_hull(0.02, 0.004, 0.02);
@@ -23,7 +23,7 @@ START_TEST(a_wide_box_is_a_plane) {
         const bool smooth = kind >= 4;
         const size_t n = kind % 2 ? 7 : 5;
         const double friction = kind / 2 == 1 ? 10.0 : 0.0,
-                     most = smooth ? 1e-5 : (n == 5 ? 0.016 : 0.0075) + (friction > 0.0 ? 0.006 : 0.0);
+                     most = smooth ? 0.01 : (n == 5 ? 0.016 : 0.0075) + (friction > 0.0 ? 0.006 : 0.0);
         const palp_contact_settings touch = touching(true, smooth ? 2 : 0);
         palp_network *net[2] = {block(n, &m, 0.0, &touch), block(n, &m, 0.0, &touch)};
         for (int i = 1; i <= 4; i++) {
@@ -59,54 +59,87 @@ START_TEST(a_tiny_hull_is_a_sphere) {
 }
 END_TEST
 
-/* A lattice scaled as a solid of this Poisson's ratio. */
-static palp_network *solid_block(size_t n, double poisson) {
+static const double SHEAR = 5680.0; /* Pa */
+
+/* A lattice scaled as a solid of this Poisson's ratio, with its law. */
+static palp_network *solid_block(size_t n, double poisson, size_t subdivisions) {
     const palp_support bottom = {"bottom", {PALP_FIXED, PALP_FIXED, PALP_FIXED}, {0, 0, 0}};
-    const palp_contact_settings touch = palp_contact_settings_default();
+    const palp_contact_settings touch = touching(true, subdivisions);
     palp_mesh *mesh = cube(n, PALP_NEIGHBOURS_26);
     palp_network_settings settings = palp_network_settings_default();
     palp_material m = {.n_arms = 0};
     palp_network *net = NULL;
     settings.poisson_ratio = poisson > 0.25 ? poisson : 0.0;
-    ck_assert_int_eq(palp_law_polynomial(1, (double[]){8.18}, &m.law), PALP_OK);
     ck_assert_int_eq(palp_mesh_scale(mesh, PALP_SCALING_CONTINUUM, 0.0, NULL), PALP_OK);
+    ck_assert_int_eq(palp_law_of_solid(mesh, poisson, 2.0 * (1.0 + poisson) * SHEAR, &m.law), PALP_OK);
     ck_assert_int_eq(palp_network_create(mesh, &m, 1, &bottom, &settings, &net, NULL), PALP_OK);
     ck_assert_int_eq(palp_network_enable_tools(net, 1, 0, &touch), PALP_OK);
     palp_mesh_free(mesh);
     return net;
 }
 
-/* A flat punch of 5 mm, pressed 1 mm, against CalculiX (data/tips/block.csv, the finer mesh), its edge
- * rounded by 0.5 mm: on a node and in mid-cell. */
+/* A flat punch of 5 mm, pressed 1 mm, on a node and in mid-cell, its edge rounded by 0.5 mm. CalculiX
+ * (data/tips/block.csv, the finer mesh, over the shear modulus and the cube's face) has a sharp edge. A punch
+ * that is rounded by R outside the radius b has the contact radius b + e at the depth 0.943 sqrt(b) e^1.5 /
+ * R. Its force is the integral of that of flat punches, so its radius is b + 0.6 e: 4.74 mm. */
 START_TEST(flat_punch_is_that_of_a_solid) {
-    static const double poisson[2] = {0.25, 0.45}, solid[2] = {0.047544192, 0.063259776}, edge = 5e-4;
+    static const double poisson[2] = {0.25, 0.45}, solid[2] = {0.047544192, 0.063259776}, edge = 5e-4,
+                        rounding = 4.74 / 5.0;
     static const struct {
         size_t nodes;
-        double least[2], most[2]; /* over the solid's force */
-    } bounds[3] = {
-        {5, {1.00, 1.06}, {1.25, 1.32}}, {7, {1.07, 1.15}, {1.12, 1.21}}, {11, {1.00, 1.10}, {1.07, 1.20}}};
+        double least, most; /* over the solid's force */
+    } bounds[3] = {{5, 0.84, 1.08}, {7, 0.93, 1.09}, {11, 0.95, 1.07}};
     palp_hull *hull = cylinder_hull(16, 1.013 * (5e-3 - edge), 4e-3); /* a circle's area */
     for (int b = 0; b < 3; b++)
-        for (int k = 0; k < 4; k++) {
-            const double nu = poisson[k / 2], modulus = 8.18 / 2.0 / (1.0 + nu),
+        for (int k = 0; k < 8; k++) {
+            const double nu = poisson[k / 2 % 2],
+                         whole = solid[k / 2 % 2] * SHEAR * HEIGHT * HEIGHT * rounding,
                          at = 0.012 + (k % 2 ? 0.5 * HEIGHT / (double)(bounds[b].nodes - 1) : 0.0);
-            palp_network *net = solid_block(bounds[b].nodes, nu);
+            palp_network *net = solid_block(bounds[b].nodes, nu, k < 4 ? 0 : 2);
             double force = 0.0;
             for (int i = 1; i <= 5; i++) {
                 const palp_tool punch = hull_tool(hull, at, HEIGHT + 4e-3 + edge - 2e-4 * i, at, edge, 0.0);
                 force = step(net, &punch, INFINITY).force_N[1];
             }
-            const double ratio = force / (solid[k / 2] * modulus);
-            ck_assert_msg(ratio > bounds[b].least[k / 2] && ratio < bounds[b].most[k / 2],
-                          "%zu nodes, Poisson's ratio %g: %g", bounds[b].nodes, nu, ratio);
+            const double ratio = force / whole;
+            ck_assert_msg(ratio > bounds[b].least && ratio < bounds[b].most,
+                          "%zu nodes, case %d, Poisson's ratio %g: %g", bounds[b].nodes, k, nu, ratio);
             palp_network_free(net);
         }
     palp_hull_free(hull);
 }
 END_TEST
 
+/* A blade 2 mm thick, its edges rounded by 0.5 mm, goes in by 3.5 mm in one step, 8 or 40. It penetrates the
+ * tissue deeper than that rounding, which used to make the tissue snap off in 8 steps. */
+START_TEST(tissue_stays_below_a_blade) {
+    static const int steps[3] = {40, 8, 1};
+    const palp_contact_settings touch = touching(true, 2);
+    palp_material m = linear();
+    palp_hull *hull = box_hull(0.0005, 0.004, 0.006);
+    double force[3] = {0.0};
+    for (int way = 0; way < 3; way++) {
+        palp_network *net = block(7, &m, 0.0, &touch);
+        palp_tool_force felt = {.contacts = 0};
+        for (int i = 0; i <= steps[way]; i++) {
+            const palp_tool blade =
+                hull_tool(hull, 0.0121, HEIGHT + 0.0045 - 0.0035 * i / steps[way], 0.0118, 5e-4, 0.0);
+            felt = step(net, &blade, INFINITY);
+        }
+        ck_assert_double_gt(felt.depth_m, 5e-4);
+        force[way] = felt.force_N[1];
+        palp_network_free(net);
+    }
+    ck_assert_double_gt(force[0], 2.0);
+    for (int way = 1; way < 3; way++)
+        ck_assert_double_eq_tol(force[way], force[0], 0.03 * force[0]);
+    palp_hull_free(hull);
+}
+END_TEST
+
 /* However far a hull goes in a step, it is felt as one that went there slowly: a box, a blade and a wedge on
- * its edge, in one step, or in 8 that are not parted. */
+ * its edge, in one step, or in 8 that are not parted. The stiffness of a point is that of its place at a
+ * step's start. */
 START_TEST(far_in_one_step) {
     static const double wedge[6][3] = {{0, -0.004, -0.006}, {-0.003, 0.004, -0.006}, {0.003, 0.004, -0.006},
                                        {0, -0.004, 0.006},  {-0.003, 0.004, 0.006},  {0.003, 0.004, 0.006}};
@@ -121,14 +154,14 @@ START_TEST(far_in_one_step) {
             palp_tool tool = hull_tool(hull[k], 0.0121, HEIGHT + 0.005, 0.0118, 0.001, 0.0);
             step(net, &tool, INFINITY);
             for (int i = 1; i <= steps[way]; i++) {
-                tool.position_m[1] = HEIGHT + 0.005 - 0.004 * i / steps[way];
+                tool.position_m[1] = HEIGHT + 0.005 - 0.003 * i / steps[way];
                 force[way] = step(net, &tool, INFINITY).force_N[1];
             }
             palp_network_free(net);
         }
-        ck_assert_double_gt(force[0], 1.0);
-        ck_assert_double_eq_tol(force[1], force[0], 0.015 * force[0]);
-        ck_assert_double_eq_tol(force[2], force[0], 3e-3 * force[0]);
+        ck_assert_double_gt(force[0], 0.8);
+        ck_assert_double_eq_tol(force[1], force[0], 0.05 * force[0]);
+        ck_assert_double_eq_tol(force[2], force[0], 0.035 * force[0]);
         palp_hull_free(hull[k]);
     }
 }
@@ -359,6 +392,7 @@ void tests(TCase *tc) {
     tcase_add_test(tc, a_wide_box_is_a_plane);
     tcase_add_test(tc, a_tiny_hull_is_a_sphere);
     tcase_add_test(tc, flat_punch_is_that_of_a_solid);
+    tcase_add_test(tc, tissue_stays_below_a_blade);
     tcase_add_test(tc, far_in_one_step);
     tcase_add_test(tc, forces_and_moments_balance);
     tcase_add_test(tc, jaws_lift_by_friction);
