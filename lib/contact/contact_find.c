@@ -304,6 +304,7 @@ static double node_facing_factor(const contact_set *set, const palp_tool *tool, 
     if (tool->shape == PALP_TOOL_HULL) {
         memcpy(c->outward, normal, sizeof normal);
         contact_measure(tool, c, x);
+        c->inset = contact_hull_inset(tool, c);
     }
     return fade_by_surface_normal(tool, normal, c);
 }
@@ -434,6 +435,7 @@ static void find_point_in_hull(search *s, const facet *f, double reach, int part
     contact_measure(pose, &c, s->x);
     if (!(c.depth > -reach))
         return;
+    c.inset = contact_hull_inset(pose, &c);
     const double stiffness = f->stiffness * fade_by_surface_normal(pose, s->now.outward, &c);
     c.stiffness = s->set->settings.stiffness * stiffness;
     if (s->set->settings.local)

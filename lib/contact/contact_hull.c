@@ -65,9 +65,18 @@ void contact_hull_measure(const palp_tool *tool, contact *c, const double *x) {
     c->round = near.round;
     if (near.round)
         turn_vector(tool->orientation, 1.0, near.along, c->straight);
-    c->inset = near.face ? hull_inset(hull_of_tool(tool), near.face, place) : 0.0;
+    c->over = near.face;
     c->distance = fmax(near.distance, 0.0);
     c->depth = tool->radius_m - near.distance;
+}
+
+double contact_hull_inset(const palp_tool *tool, const contact *c) {
+    double arm[3], place[3];
+    if (!c->over)
+        return 0.0;
+    along3(c->point, -1.0, tool->position_m, arm);
+    turn_vector(tool->orientation, -1.0, arm, place);
+    return hull_inset(hull_of_tool(tool), c->over, place);
 }
 
 void contact_hull_centre(const palp_tool *tool, double point[3]) {

@@ -65,9 +65,10 @@ typedef struct contact {
     double distance; /* from the point to the sphere's centre, negative if that is below the triangle, m; to a
                         hull's points, 0 within */
     bool round;      /* the nearest point of a hull is on an edge or a corner */
-    double straight[3]; /* if so, unit vector along that edge; 0 at a corner */
-    double outward[3];  /* of a point near a hull: normal of the surface there, constant in a step */
-    double inset;       /* if it is over a face, its distance from the face's outline, m; else 0 */
+    double straight[3];    /* if so, unit vector along that edge; 0 at a corner */
+    double outward[3];     /* of a point near a hull: normal of the surface there, constant in a step */
+    const hull_face *over; /* the face of a hull that it is over or leaves the hull by; NULL: none */
+    double inset;          /* distance from the outline of that face, m, at a step's start; 0 if there is none */
     double point[3];
     double normal[3];         /* unit vector from the tool into the tissue */
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
@@ -275,6 +276,9 @@ void contact_hull_box(const palp_tool *tool, double around, double low[3], doubl
 
 /* As contact_measure for a hull: of the point with the contact's shares, which stay. */
 void contact_hull_measure(const palp_tool *tool, contact *c, const double *x);
+
+/* Distance of a measured point from the outline of the face that it is over, m; 0 if it is over none. */
+double contact_hull_inset(const palp_tool *tool, const contact *c);
 
 /* Half the least thickness of a hull, or another tool's radius, m. */
 double contact_thickness(const palp_tool *tool);

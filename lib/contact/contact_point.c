@@ -373,12 +373,15 @@ void contact_block(const contact *c, int a, int b, double k[9]) {
         return;
     }
     const double *ga = c->gradient[a], *gb = c->gradient[b], *n = c->normal;
+    for (int i = 0; i < 9; i++)
+        k[i] = c->share[a] * c->share[b] * c->normal_tangent[full[i]] +
+               c->stick_share[a] * c->stick_share[b] * c->friction_tangent[full[i]];
+    if (dot3(ga, ga) + dot3(gb, gb) == 0.0) /* of a hull's points, and others whose shares stay */
+        return;
     double both = c->distance * dot3(ga, gb);
     for (int i = 0; i < 9; i++) {
         int row = i / 3, col = i % 3;
-        k[i] = c->share[a] * c->share[b] * c->normal_tangent[full[i]] +
-               c->stick_share[a] * c->stick_share[b] * c->friction_tangent[full[i]] +
-               c->pressure *
-                   (n[row] * ga[col] * c->share[b] + c->share[a] * gb[row] * n[col] + both * n[row] * n[col]);
+        k[i] += c->pressure *
+                (n[row] * ga[col] * c->share[b] + c->share[a] * gb[row] * n[col] + both * n[row] * n[col]);
     }
 }
