@@ -68,7 +68,7 @@ typedef struct contact {
     double straight[3];    /* if so, unit vector along that edge; 0 at a corner */
     double outward[3];     /* of a point near a hull: normal of the surface there, constant in a step */
     const hull_face *over; /* the face of a hull that it is over or leaves the hull by; NULL: none */
-    double inset;          /* distance from the outline of that face, m, at a step's start; 0 if there is none */
+    double inset;          /* distance from that face's outline at a step's start, m; 0 if there is none */
     double point[3];
     double normal[3];         /* unit vector from the tool into the tissue */
     double normal_tangent[6]; /* of the normal force at fixed shares: lower triangle xx yx yy zx zy zz */
