@@ -222,8 +222,13 @@ void contact_face_law(const contact_set *set, const palp_tool *tool, double stif
 /* What is missing below a flat face is near its outline, where a solid's pressure is highest and a mesh does
  * not follow it. In a wave of pressure a mesh lacks compliance in proportion to the wave number, so a point
  * lacks the less the further inward it is: the stiffness is E A / h (rim + inward (inset / h)^2). Fitted to
- * flat punches of half a spacing to three on the half-space of springs (data/contact/flat_law.py). */
-static const struct { double rim, inward; } TRIANGLES = {3.0, 16.0}, SMOOTH = {1.6, 4.0};
+ * flat punches of half a spacing to three on the half-space of springs (data/contact/flat_law.py). It holds
+ * to the share deep of the rounding and of half the half thickness. At the depth u a pressure p on a rounding
+ * R has the slope -p / (R - u) across, by which points slip off it. Half the rounding bounds that on
+ * triangles. Points of a smooth surface move together, so that all of it is safe there. */
+static const struct surface_law {
+    double rim, inward, deep;
+} TRIANGLES = {3.0, 16.0, 0.5}, SMOOTH = {1.6, 4.0, 1.0};
 
 double contact_patch(const contact_set *set, double stiffness) {
     return set->solid * set->solid * SOLID * stiffness;
@@ -231,10 +236,9 @@ double contact_patch(const contact_set *set, double stiffness) {
 
 void contact_hull_law(const contact_set *set, const palp_tool *tool, double patch, double spacing,
                       contact *c) {
-    const double rim = set->local ? SMOOTH.rim : TRIANGLES.rim,
-                 inward = set->local ? SMOOTH.inward : TRIANGLES.inward, inset = c->inset / spacing;
-    const double thick = contact_thickness(tool);
+    const struct surface_law *law = set->local ? &SMOOTH : &TRIANGLES;
+    const double thick = contact_thickness(tool), inset = c->inset / spacing;
     c->law.hard = c->stiffness * fmax(1.0, spacing * spacing / (thick * thick));
-    c->law.limit = fmin(tool->radius_m, 0.5 * thick);
-    c->law.linear = c->stiffness = fmin(c->stiffness, patch * (rim + inward * inset * inset));
+    c->law.limit = law->deep * fmin(tool->radius_m, 0.5 * thick);
+    c->law.linear = fmin(c->stiffness, patch * (law->rim + law->inward * inset * inset));
 }

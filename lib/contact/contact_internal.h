@@ -334,9 +334,9 @@ void contact_face_law(const contact_set *set, const palp_tool *tool, double stif
  * take off the mesh's own compliance; stiffness as above. */
 double contact_patch(const contact_set *set, double stiffness);
 
-/* Gives a hull's point with the stiffness of its penalty the local compliance below the rim of a face, to the
- * depth of the hull's radius and half its thickness. Beyond that the penalty is added. patch: Young's modulus
- * times the point's area over the spacing, N/m. */
+/* Gives a hull's point with the stiffness of its penalty the local compliance below the rim of a face, to a
+ * depth by the hull's radius and thickness. Beyond that the penalty is added. Friction keeps the penalty's
+ * stiffness. patch: Young's modulus times the point's area over the spacing, N/m. */
 void contact_hull_law(const contact_set *set, const palp_tool *tool, double patch, double spacing,
                       contact *c);
 
