@@ -224,11 +224,11 @@ void contact_face_law(const contact_set *set, const palp_tool *tool, double stif
  * lacks the less the further inward it is: the stiffness is E A / h (rim + inward (inset / h)^2). Fitted to
  * flat punches of half a spacing to three on the half-space of springs (data/contact/flat_law.py). It holds
  * to the share deep of the rounding and of half the half thickness. At the depth u a pressure p on a rounding
- * R has the slope -p / (R - u) across, by which points slip off it. Half the rounding bounds that on
- * triangles. Points of a smooth surface move together, so that all of it is safe there. */
+ * R has the slope -p / (R - u) across, by which points slip off it. A share below 1 bounds that. Points of a
+ * smooth surface move together, so that theirs may be larger. */
 static const struct surface_law {
     double rim, inward, deep;
-} TRIANGLES = {3.0, 16.0, 0.5}, SMOOTH = {1.6, 4.0, 1.0};
+} TRIANGLES = {3.0, 16.0, 0.5}, SMOOTH = {1.6, 4.0, 0.75};
 
 double contact_patch(const contact_set *set, double stiffness) {
     return set->solid * set->solid * SOLID * stiffness;
