@@ -198,7 +198,11 @@ START_TEST(layer_is_found) {
     ck_assert(p.found);
     ck_assert_double_gt(p.evidence_layer, p.evidence + 3.0);
     ck_assert((p.layer_stiffness.best > 1.0) == (FACTOR[_i] > 1.0));
-    ck_assert(p.thickness_m.low > 0.0 && p.thickness_m.low < p.thickness_m.high);
+    ck_assert_msg(p.thickness_m.low <= 0.006 && 0.006 <= p.thickness_m.high, "thickness %g (%g to %g)",
+                  p.thickness_m.best, p.thickness_m.low, p.thickness_m.high);
+    ck_assert_msg(p.layer_stiffness.low <= FACTOR[_i] && FACTOR[_i] <= p.layer_stiffness.high,
+                  "stiffness %g (%g to %g)", p.layer_stiffness.best, p.layer_stiffness.low,
+                  p.layer_stiffness.high);
     ck_assert_double_lt(p.scatter_layer, 0.5 * p.scatter);
 }
 END_TEST
