@@ -35,11 +35,11 @@ PALP_API void palp_hull_free(palp_hull *hull); /* NULL is allowed */
  * inside the tool, quadratic in the depth at first touch and linear beyond, with Coulomb friction. A plane
  * touches nodes of the surface. A sphere or capsule touches triangles in fixed points, so that even a small
  * tool has contact between nodes. A hull touches them in fixed points too, each with its part of the penalty
- * of a plane. Within 2 edges of the outline of a face, a point also has the local compliance that the mesh
- * lacks there, to at most the depth of radius_m (doc/numerics.md). With subdivisions tools touch the vertices
- * of a smooth surface instead: Loop's limit surface (Loop 1987, Hoppe et al. 1994) of nodes smoothed once by
- * the same scheme. Its vertices are fixed means of nearby nodes, so that a sliding tool feels little of the
- * mesh. A tool should be thicker than its triangles.
+ * of a plane. Within 2 edges of the outline of a face a point also has the local compliance that the mesh
+ * lacks there. It acts to at most the depth of radius_m (doc/numerics.md). With subdivisions tools touch the
+ * vertices of a smooth surface instead: Loop's limit surface (Loop 1987, Hoppe et al. 1994) of nodes smoothed
+ * once by the same scheme. Its vertices are fixed means of nearby nodes, so that a sliding tool feels little
+ * of the mesh. A tool should be thicker than its triangles.
  *
  * A hull's frame is turned by orientation and then has its origin at position_m. Of other shapes orientation
  * is their rotation, which matters for friction only: a sphere that spins drags the tissue. Where it is zero

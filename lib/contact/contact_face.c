@@ -220,8 +220,8 @@ void contact_face_law(const contact_set *set, const palp_tool *tool, double stif
 }
 
 /* What is missing below a flat face is near its outline, where a solid's pressure is highest and a mesh does
- * not follow it. In a wave of pressure a mesh lacks compliance in proportion to the wave number, so a point
- * lacks the less the further inward it is: the stiffness is E A / h (rim + inward (inset / h)^2). Fitted to
+ * not follow it. In a wave of pressure a mesh lacks compliance in proportion to the wave number. So a point
+ * lacks the less the further inward it is. The stiffness is E A / h (rim + inward (inset / h)^2). Fitted to
  * flat punches of half a spacing to three on the half-space of springs (data/contact/flat_law.py). It holds
  * to the share deep of the rounding and of half the half thickness. At the depth u a pressure p on a rounding
  * R has the slope -p / (R - u) across, by which points slip off it. A share below 1 bounds that. Points of a

@@ -303,7 +303,8 @@ static double node_facing_factor(const contact_set *set, const palp_tool *tool, 
     }
     if (tool->shape == PALP_TOOL_HULL) {
         memcpy(c->outward, normal, sizeof normal);
-        contact_measure(tool, c, x);
+        if (c->depth > tool->radius_m) /* within the hull, which it leaves by a face that this normal meets */
+            contact_measure(tool, c, x);
         c->inset = contact_hull_inset(tool, c);
     }
     return fade_by_surface_normal(tool, normal, c);

@@ -330,13 +330,13 @@ void contact_face_push(const contact *c, int i, double force[3]);
 void contact_face_law(const contact_set *set, const palp_tool *tool, double stiffness, double spacing,
                       contact *c);
 
-/* Young's modulus times the area of a point over the spacing, N/m, as the terms of that law have it which
- * take off the mesh's own compliance; stiffness as above. */
+/* Young's modulus times the area of a point over the spacing, N/m; stiffness as above. It is as in those
+ * terms of that law which take off the mesh's own compliance. */
 double contact_patch(const contact_set *set, double stiffness);
 
-/* Gives a hull's point with the stiffness of its penalty the local compliance below the rim of a face, to a
- * depth by the hull's radius and thickness. Beyond that the penalty is added. Friction keeps the penalty's
- * stiffness. patch: Young's modulus times the point's area over the spacing, N/m. */
+/* Gives a hull's point, whose stiffness is its penalty's, the local compliance below the rim of a face. It
+ * acts to a depth by the hull's radius and thickness. Beyond that the penalty is added. Friction keeps the
+ * penalty's stiffness. patch: Young's modulus times the point's area over the spacing, N/m. */
 void contact_hull_law(const contact_set *set, const palp_tool *tool, double patch, double spacing,
                       contact *c);
 

@@ -124,9 +124,6 @@ void palpation_free(palpation_search *s);
  * of the ratio of forces, a finer lattice's over its own. The error of the tissue alone, which is pressed: */
 palp_status palpation_measure_lattice(palpation_search *s, palp_error *error);
 
-/* The same error again, after that of a region. */
-void palpation_use_bare_lattice(palpation_search *s);
-
 /* The error with this region; where the network has no equilibrium it stays that of the tissue. */
 palp_status palpation_measure_region(palpation_search *s, const palpation_candidate *c);
 

@@ -86,12 +86,7 @@ palp_status palpation_measure_lattice(palpation_search *s, palp_error *error) {
         status = compare_with_finer(s, NULL, s->bare);
         status = palpation_lost(status) ? PALP_OK : status;
     }
-    palpation_use_bare_lattice(s);
     return status;
-}
-
-void palpation_use_bare_lattice(palpation_search *s) {
-    palpation_set_errors(s, s->bare, 0.0);
 }
 
 palp_status palpation_measure_region(palpation_search *s, const palpation_candidate *c) {

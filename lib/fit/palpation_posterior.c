@@ -107,7 +107,7 @@ static double quantile_of_mixture(const mixture *m, double share, double low, do
         else
             high = middle;
     }
-    return 0.5 * (low + high);
+    return low; /* an end of the range is met exactly */
 }
 
 /* The posterior is uniform over the width of each stiffness. The interval is open where an end of the range

@@ -273,7 +273,7 @@ palp_status palpation_find(palpation_search *s, const palpation_kind *kind, doub
     palpation_candidate first = {0}, found[PALPATION_STIFFNESSES];
     double posterior[PALPATION_STIFFNESSES];
     s->kind = kind;
-    palpation_use_bare_lattice(s);
+    palpation_set_errors(s, s->bare, 0.0);
     double none;
     palp_status status = find_residuals_of_tissue(s, residual, &none);
     if (!status)

@@ -53,6 +53,22 @@ grep -q '"name": "inclusion", "box"' layered.json || fail "no layer in the model
 expect 0 inclusion plain.json skin_*.csv --subdivisions 0 --gain known
 grep -q 'A layer of another stiffness is there' out && grep -q 'thickness' out || fail "words: $(cat out)"
 
+# ---- a ball in tetrahedra, which have no finer lattice ----
+tetrahedra() { # REGIONS
+    sed -e "s|\"mesh\".*|\"mesh\": {\"kind\": \"file\", \"path\": \"$ROOT/data/meshes/box_tetra.msh\", \"scaling\": \"continuum\"},|" \
+        -e "s|\"regions\".*|\"regions\": [$1]}|" plain.json
+}
+tetrahedra '' >soft.json
+tetrahedra '{"name": "hidden", "sphere": {"centre_mm": [10, 16, 14], "radius_mm": 5.5}, "stiffness_factor": 8}' >ball.json
+for x in 6 10 14 18; do
+    for z in 6 12 18; do
+        expect 0 simulate ball.json --protocol static --relaxed --depth-mm 1.5 --tip sphere --tip-radius-mm 5 --tip-x-mm $x --tip-z-mm $z \
+            --noise-N 1e-4 --seed $((x * z)) --out "tetra_${x}_$z.csv"
+    done
+done
+expect 0 inclusion soft.json tetra_*.csv --json
+grep -q '"kind": "ball"' out || fail "no ball in tetrahedra: $(cat out)"
+
 # ---- bad input ----
 expect 2 inclusion plain.json
 says 'name a NETWORK.json and presses'

@@ -77,9 +77,9 @@ START_TEST(a_plane_twists) {
 }
 END_TEST
 
-/* A box that turns by 90 degrees about the normal: smooth, its force and its lever differ by 0.2 % and 0.01
- * mm between one step and 30, since a point has the stiffness of its place at a step's start. Rough, its
- * moment differs by 4 % between 6 steps and 30. */
+/* A box that turns by 90 degrees about the normal. Smooth, its force and its lever differ by 0.2 % and 0.01
+ * mm between one step and 30: a point has the stiffness of its place at a step's start. Rough, its moment
+ * differs by 4 % between 6 steps and 30. */
 START_TEST(turned_in_many_steps_or_few) {
     palp_material m = linear();
     palp_hull *hull = box_hull(0.006, 0.002, 0.004);
