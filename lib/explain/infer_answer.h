@@ -58,6 +58,9 @@ palp_status infer_without_discrepancy(const infer_search *s, infer_fit *without)
  * (Laplace). */
 palp_status infer_size_cost(infer_fit *fit, const explain_data *data, double *size, double *nats);
 
+/* What all sizes of the fit's discrepancy cost, nats; 0: it has none. */
+palp_status infer_discrepancy_cost(const infer_search *s, double *nats);
+
 /* Evidence of the discrepancy of the fit at hand, nats. */
 palp_status infer_discrepancy_weigh(const infer_search *s, double *nats);
 

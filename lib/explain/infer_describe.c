@@ -20,15 +20,19 @@ static palp_status find_gain(infer_search *s, const infer_search *rest, palp_exp
     return status;
 }
 
-/* A trial's fit to convergence, with a discrepancy only where that is more probable: as the fit at hand. */
-static palp_status finish(infer_search *rest, infer_fit *fit) {
+/* A trial's fit to convergence, with a discrepancy only where that is more probable: as the fit at hand. net:
+ * its score less the cost of its discrepancy's sizes, since another fit may have none. */
+static palp_status finish(infer_search *rest, infer_fit *fit, double *net) {
     double nats;
     palp_status status = infer_fit_converge(fit, &rest->data);
     if (status)
         return status;
     infer_fit_exchange(&rest->fit, fit);
     status = infer_discrepancy_drop(rest, &nats);
+    if (!status)
+        status = infer_discrepancy_cost(rest, &nats);
     infer_fit_exchange(&rest->fit, fit);
+    *net = fit->score - nats;
     return status;
 }
 
@@ -37,8 +41,11 @@ static palp_status finish(infer_search *rest, infer_fit *fit) {
  * probable one that exceeds the effect itself, as the search compares fits short of convergence. */
 static palp_status find_alike(const infer_search *s, infer_search *rest, palp_explain_effect *out,
                               int *better) {
-    palp_status status = PALP_OK;
     bool known[PALP_EFFECT_COUNT] = {false};
+    double cost = 0.0, net = 0.0;
+    palp_status status = infer_discrepancy_cost(s, &cost);
+    double most = s->fit.score - cost;
+    const double least = most - infer_threshold(s->settings);
     out->alike[out->n_class++] = out->effect.id;
     while (!status) {
         int best = PALP_EFFECT_COUNT;
@@ -50,15 +57,15 @@ static palp_status find_alike(const infer_search *s, infer_search *rest, palp_ex
         }
         if (best == PALP_EFFECT_COUNT)
             break;
-        infer_fit *fit = &rest->trial[best].fit;
         known[best] = true;
-        status = finish(rest, fit);
-        if (status || fit->score < s->fit.score - infer_threshold(s->settings))
+        status = finish(rest, &rest->trial[best].fit, &net);
+        if (status || net < least)
             break;
         out->alike[out->n_class++] = (palp_effect_id)best;
-        const double most = *better == PALP_EFFECT_COUNT ? s->fit.score : rest->trial[*better].fit.score;
-        if (fit->score > most && infer_may_be_named(s, &rest->trial[best]))
+        if (net > most && infer_may_be_named(s, &rest->trial[best])) {
+            most = net;
             *better = best;
+        }
     }
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }

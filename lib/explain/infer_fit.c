@@ -274,8 +274,8 @@ static void take_slopes(const explain_run *run, const palp_model *own, const dou
         for (size_t j = 0; j < m->n_arms && in; j++)
             arms -= m->arms[j].stiffness_N *
                     expm1((met - run->time[i]) * m->arms[j].stiffness_N / m->arms[j].viscosity_Ns);
-        sample[i].by_depth = fabs(contact[i]) + arms * (there > 0.0 ? there / first : 0.0) / run->height;
-        sample[i].by_time = (force[to] - force[from]) / (run->time[to] - run->time[from]);
+        sample[i].next_by_depth = fabs(contact[i]) + arms * (there > 0.0 ? there / first : 0.0) / run->height;
+        sample[i].next_by_time = (force[to] - force[from]) / (run->time[to] - run->time[from]);
     }
 }
 
@@ -349,8 +349,17 @@ static palp_status evaluate(infer_fit *fit, const explain_data *data, bool colum
     return status;
 }
 
+void infer_weigh(infer_fit *fit, const explain_data *data) {
+    for (size_t i = 0; i < data->n; i++) {
+        fit->sample[i].by_depth = fit->sample[i].next_by_depth;
+        fit->sample[i].by_time = fit->sample[i].next_by_time;
+    }
+}
+
 palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data) {
     palp_status status = evaluate(fit, data, true);
+    if (!fit->kept_weights)
+        infer_weigh(fit, data);
     return status ? status : infer_fit_products(fit, data);
 }
 

@@ -44,6 +44,8 @@ static void keep(void *user) {
     ((improvement *)user)->best = true;
 }
 
+/* The noise depends on slopes of the force, by which the gradient does not go. So these stay as they were
+ * until the end: least squares with weights that are updated between the fits. */
 palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations) {
     const size_t k = fit->k;
     double *h = malloc((k * k + 2 * k) * sizeof *h), reach[EXPLAIN_COLUMNS], chi2;
@@ -69,11 +71,17 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
                                .evaluate = evaluate,
                                .keep = keep,
                                .user = &i};
+    fit->kept_weights = true;
     if (!status)
         status = levenberg_solve(&problem, x, h, g, &chi2);
-
     if (!status && !i.best)
         status = evaluate(&i, x, h, g, &chi2);
+    fit->kept_weights = false;
+    infer_weigh(fit, data);
+    if (!status)
+        status = infer_fit_products(fit, data);
+    if (!status)
+        status = infer_fit_score(fit, data);
     free(h);
     return status ? status : infer_scan_bond(fit, data);
 }

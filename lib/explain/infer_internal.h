@@ -51,7 +51,9 @@ enum {
 
 /* Slopes and weights on which the noise of a sample depends. */
 typedef struct infer_sample {
-    double by_depth, by_time;  /* of the force: by a change of depth at one sample, N/m; along the run, N/s */
+    double by_depth, by_time; /* of the force: by a change of depth at one sample, N/m; along the run, N/s */
+    double next_by_depth,
+        next_by_time;          /* the same of the last model, which infer_weigh puts in their place */
     double keep;               /* correlation of the encoder's error with that of the sample before */
     double certain;            /* expected precision of the independent noise, in units of the inverse
                                   variance */
@@ -91,10 +93,11 @@ typedef struct infer_fit {
     bool free;      /* its domains run over these terms instead (infer_columns.c) */
     size_t n_terms;
     palp_free_term term[INFER_DOMAINS];
-    bool held;        /* contacts, specimens and nonlinear gains are fixed at the values of the columns */
-    double *raw;      /* all runs' columns, run r at raw + first sample m */
-    double *product;  /* [n_runs m m] of the whitened ones */
-    double *specimen; /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
+    bool kept_weights; /* by_depth and by_time stay those of an earlier model */
+    bool held;         /* contacts, specimens and nonlinear gains are fixed at the values of the columns */
+    double *raw;       /* all runs' columns, run r at raw + first sample m */
+    double *product;   /* [n_runs m m] of the whitened ones */
+    double *specimen;  /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
     double *contact_certain; /* [n_runs] expected precision of each contact, in units of that of its size */
     infer_sample *sample;    /* [data->n] */
     double converter;        /* step of the force, N; 0 = none was found */
@@ -293,6 +296,8 @@ size_t infer_active_columns(const infer_fit *fit, size_t *list);
  * these. */
 palp_status infer_fit_evaluate(infer_fit *fit, const explain_data *data);
 palp_status infer_fit_products(infer_fit *fit, const explain_data *data);
+/* The noise that the last model implies. Products and score stay as they were. */
+void infer_weigh(infer_fit *fit, const explain_data *data);
 /* Forces of fit->c.model, with the columns and the noise of a nearby model; and their products. Much cheaper
  * than infer_fit_evaluate. */
 palp_status infer_fit_reevaluate(infer_fit *fit, const explain_data *data);

@@ -224,7 +224,7 @@ palp_status infer_size_cost(infer_fit *fit, const explain_data *data, double *si
     return status;
 }
 
-static palp_status cost_of_sizes(const infer_search *s, double *nats) {
+palp_status infer_discrepancy_cost(const infer_search *s, double *nats) {
     infer_fit fit;
     memset(&fit, 0, sizeof fit);
     palp_status status = infer_fit_copy(&s->fit, &s->data, &fit);
@@ -245,7 +245,7 @@ palp_status infer_discrepancy_weigh(const infer_search *s, double *nats) {
     double cost = 0.0;
     palp_status status = find_evidence(s, nats);
     if (!status)
-        status = cost_of_sizes(s, &cost);
+        status = infer_discrepancy_cost(s, &cost);
     *nats -= cost;
     return status;
 }

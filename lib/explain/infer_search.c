@@ -330,6 +330,10 @@ static void finish_task(void *user, size_t i) {
         return;
     t->status = settle_with_noise(s, 1, &t->fit);
     rank(s, t);
+    if (!t->status && t->gain > infer_threshold(s->settings)) { /* it may be taken: which one, all ways say */
+        t->status = infer_begin_anew(&t->fit, &s->data);
+        rank(s, t);
+    }
     if (!t->status && t->fit.raw)
         t->status = examine(s, t);
 }
@@ -575,8 +579,6 @@ palp_status infer_search_run(infer_search *s) {
         status = settle_with_noise(s, 2, &s->fit);
         if (step == 0)
             s->first = s->fit.score - infer_price(s);
-        if (!status)
-            status = infer_begin_anew(&s->fit, &s->data);
         if (!status)
             status = review(s, &changed);
     }

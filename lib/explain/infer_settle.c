@@ -135,25 +135,84 @@ palp_status infer_fit_settle(infer_fit *fit, const explain_data *data, size_t ro
     return status;
 }
 
+/* This share of the way from one array to another. */
+static void go(size_t n, const double *from, const double *to, double share, double *out) {
+    for (size_t i = 0; i < n; i++)
+        out[i] = from[i] + share * (to[i] - from[i]);
+}
+
+/* Sizes, noise and expected precisions of *fit this share of the way from those of one fit to another's. */
+static void go_between(const infer_fit *from, const infer_fit *to, const explain_data *data, double share,
+                       infer_fit *fit) {
+    enum { NOISE = sizeof(infer_noise) / sizeof(double), SIZES = sizeof(infer_sizes) / sizeof(double) };
+    go(NOISE, (const double *)&from->noise, (const double *)&to->noise, share, (double *)&fit->noise);
+    go(SIZES, (const double *)&from->sizes, (const double *)&to->sizes, share, (double *)&fit->sizes);
+    go(PALP_LAW_MAX, from->certain, to->certain, share, fit->certain);
+    go(data->n_runs, from->contact_certain, to->contact_certain, share, fit->contact_certain);
+    for (size_t i = 0; i < data->n; i++) {
+        go(1, &from->sample[i].certain, &to->sample[i].certain, share, &fit->sample[i].certain);
+        go(INFER_SLOW, from->sample[i].steady, to->sample[i].steady, share, fit->sample[i].steady);
+    }
+}
+
+/* Contacts and parameters at the sizes and the noise at hand. */
+static palp_status follow(infer_fit *fit, const explain_data *data, bool *moved) {
+    enum { EVALUATIONS = 10 };
+    palp_status status = move_contacts(fit, data, moved);
+    return status ? status : infer_fit_improve(fit, data, EVALUATIONS);
+}
+
+/* Sizes and noise are learned for a step that the columns predict. Where the step is worse, as the forces are
+ * not linear, they go a part of that way only, or none. */
+static palp_status go_part(infer_fit *fit, infer_fit *before, const explain_data *data, bool *moved) {
+    enum { QUARTERS = 4 };
+    palp_status status = PALP_OK;
+    for (int i = 1; i <= QUARTERS && !status && !(fit->score >= before->score); i++) {
+        infer_fit part;
+        status = infer_fit_copy(before, data, &part);
+        if (status)
+            break;
+        go_between(before, fit, data, ldexp(1.0, -2 * i), &part);
+        palp_status failed = infer_fit_products(&part, data);
+        if (!failed)
+            failed = follow(&part, data, moved);
+        if (!failed && part.score >= before->score)
+            infer_fit_exchange(fit, &part);
+        infer_fit_free(&part);
+        status = failed == PALP_ERR_NO_MEMORY ? failed : PALP_OK;
+    }
+    if (!status && !(fit->score >= before->score)) {
+        *moved = false;
+        infer_fit_exchange(fit, before);
+    }
+    return status;
+}
+
 palp_status infer_fit_converge(infer_fit *fit, const explain_data *data) {
-    enum { ROUNDS = 12, EVALUATIONS = 10, SIZES = 20, NOISE = 25 };
-    double last = fit->score;
+    enum { ROUNDS = 12, SIZES = 20, NOISE = 25 };
+    bool moved = false;
     for (size_t a = 0; a < fit->k; a++)
         fit->scan[a].spread = 0.0; /* both parameters of a bond are scanned once more */
     infer_sizes_begin_anew(fit, data);
     palp_status status = infer_fit_products(fit, data);
+    if (!status)
+        status = follow(fit, data, &moved);
     for (size_t i = 0; i < ROUNDS && !status; i++) {
-        bool moved = false;
+        infer_fit before;
+        status = infer_fit_copy(fit, data, &before);
+        if (status)
+            break;
+        const double last = fit->score;
         status = infer_sizes_learn(fit, data, SIZES);
         if (!status)
             status = infer_noise_learn(fit, data, NOISE, false);
         if (!status)
-            status = move_contacts(fit, data, &moved);
+            status = follow(fit, data, &moved);
         if (!status)
-            status = infer_fit_improve(fit, data, EVALUATIONS);
+            status = go_part(fit, &before, data, &moved);
+        infer_fit_free(&before);
         if (!status && !moved && fabs(fit->score - last) < 1e-3)
             break;
-        last = fit->score;
     }
     return status;
 }
