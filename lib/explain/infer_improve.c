@@ -45,7 +45,8 @@ static void keep(void *user) {
 }
 
 /* The noise depends on slopes of the force, by which the gradient does not go. So these stay as they were
- * until the end: least squares with weights that are updated between the fits. */
+ * until the end: least squares with weights that are updated between the fits. A law alone has no
+ * discrepancy. Its noise also takes the misfit, and follows the force in every step. */
 palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t evaluations) {
     const size_t k = fit->k;
     double *h = malloc((k * k + 2 * k) * sizeof *h), reach[EXPLAIN_COLUMNS], chi2;
@@ -71,7 +72,7 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
                                .evaluate = evaluate,
                                .keep = keep,
                                .user = &i};
-    fit->kept_weights = true;
+    fit->kept_weights = !data->law_alone;
     if (!status)
         status = levenberg_solve(&problem, x, h, g, &chi2);
     if (!status && !i.best)

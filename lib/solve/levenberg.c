@@ -55,18 +55,12 @@ palp_status levenberg_solve(const levenberg *p, double *x, double *h, double *g,
         return PALP_ERR_NO_MEMORY;
     double *work = next_h + n * n, *next_g = work + n * n, *next = next_g + n, *step = next + n;
     palp_status status = PALP_OK;
-    bool failed = false;
     for (size_t k = 0; k < p->evaluations && damping <= MOST_DAMPING; k++) {
         double next_chi2, before = *chi2;
         levenberg_step(n, x, p->low, p->high, h, g, damping, work, step);
         limit_step_to_bounds(p, x, step, next);
-        double fall = expected_fall(n, x, next, h, g);
-        for (; failed && fall < 0.0 && damping < MOST_DAMPING; fall = expected_fall(n, x, next, h, g)) {
-            damping *= 10.0; /* a clipped step may promise a rise: the first such one may yet be good */
-            levenberg_step(n, x, p->low, p->high, h, g, damping, work, step);
-            limit_step_to_bounds(p, x, step, next);
-        }
-        if (fall >= 0.0 && fall < p->stop_expected)
+        const double fall = expected_fall(n, x, next, h, g);
+        if (fall >= 0.0 && fall < p->stop_expected) /* a clipped step may promise a rise, and need damping */
             break;
         palp_status tried = p->evaluate(p->user, next, next_h, next_g, &next_chi2);
         if (tried == PALP_ERR_NO_MEMORY) {
@@ -77,10 +71,8 @@ palp_status levenberg_solve(const levenberg *p, double *x, double *h, double *g,
             if (!tried && next_chi2 - before < p->stop_rise)
                 break;
             damping = fmax(FELT_DAMPING, 10.0 * damping);
-            failed = true;
             continue;
         }
-        failed = false;
         memcpy(x, next, n * sizeof *x);
         memcpy(h, next_h, n * n * sizeof *h);
         memcpy(g, next_g, n * sizeof *g);
