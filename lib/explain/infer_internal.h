@@ -52,8 +52,8 @@ enum {
 /* Slopes and weights on which the noise of a sample depends. */
 typedef struct infer_sample {
     double by_depth, by_time; /* of the force: by a change of depth at one sample, N/m; along the run, N/s */
-    double next_by_depth,
-        next_by_time;          /* the same of the last model, which infer_weigh puts in their place */
+    /* The same of the last model, which infer_weigh puts in their place: */
+    double next_by_depth, next_by_time;
     double keep;               /* correlation of the encoder's error with that of the sample before */
     double certain;            /* expected precision of the independent noise, in units of the inverse
                                   variance */
