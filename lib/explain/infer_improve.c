@@ -77,12 +77,14 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
         status = levenberg_solve(&problem, x, h, g, &chi2);
     if (!status && !i.best)
         status = evaluate(&i, x, h, g, &chi2);
-    fit->kept_weights = false;
-    infer_weigh(fit, data);
-    if (!status)
-        status = infer_fit_products(fit, data);
-    if (!status)
-        status = infer_fit_score(fit, data);
+    if (fit->kept_weights) {
+        fit->kept_weights = false;
+        infer_weigh(fit, data);
+        if (!status)
+            status = infer_fit_products(fit, data);
+        if (!status)
+            status = infer_fit_score(fit, data);
+    }
     free(h);
     return status ? status : infer_scan_bond(fit, data);
 }

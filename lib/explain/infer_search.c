@@ -330,7 +330,8 @@ static void finish_task(void *user, size_t i) {
         return;
     t->status = settle_with_noise(s, 1, &t->fit);
     rank(s, t);
-    if (!t->status && t->gain > infer_threshold(s->settings)) { /* it may be taken: which one, all ways say */
+    if (!t->status &&
+        t->gain > infer_threshold(s->settings)) { /* it may be taken, so it begins in both ways */
         t->status = infer_begin_anew(&t->fit, &s->data);
         rank(s, t);
     }
