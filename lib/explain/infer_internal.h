@@ -39,15 +39,8 @@ typedef struct infer_noise {
     double slow_freedom[INFER_SLOW]; /* and for the innovations of the correlated noise; 0: they are normal */
 } infer_noise;
 
-/* The sizes among these; the encoder's is last, as it may be none. */
-enum {
-    INFER_BY_WHITE,
-    INFER_BY_DEPTH,
-    INFER_BY_CLOCK,
-    INFER_BY_SLOW,
-    INFER_BY_ENCODER = INFER_BY_SLOW + INFER_SLOW,
-    INFER_NOISES
-};
+/* The sizes that are estimated. The encoder's follows from its step. */
+enum { INFER_BY_WHITE, INFER_BY_DEPTH, INFER_BY_CLOCK, INFER_BY_SLOW, INFER_NOISES = INFER_BY_SLOW + INFER_SLOW };
 
 /* Slopes and weights on which the noise of a sample depends. */
 typedef struct infer_sample {

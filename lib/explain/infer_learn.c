@@ -11,7 +11,6 @@
 typedef struct learning {
     infer_fit *fit;
     const explain_data *data;
-    unsigned n;        /* sizes that are learned */
     infer_noise start; /* coordinates are logarithms of the sizes, relative to those at the start */
     double promised;   /* at the start: so that units do not matter */
     double least;      /* chi2 so far */
@@ -22,7 +21,6 @@ static double *size_of(infer_noise *noise, int a) {
     return a == INFER_BY_WHITE     ? &noise->white
            : a == INFER_BY_DEPTH   ? &noise->depth
            : a == INFER_BY_CLOCK   ? &noise->clock
-           : a == INFER_BY_ENCODER ? &noise->encoder
                                    : &noise->slow[a - INFER_BY_SLOW];
 }
 
@@ -109,9 +107,8 @@ palp_status infer_noise_slopes(infer_fit *fit, const explain_data *data, double 
 static palp_status evaluate(void *user, const double *x, double *h, double *g, double *chi2) {
     learning *l = user;
     l->best = false;
-    for (unsigned a = 0; a < l->n; a++)
-        *size_of(&l->fit->noise, (int)a) = *size_of(&l->start, (int)a) * exp(x[a]);
-    double slope[INFER_NOISES], information[INFER_NOISES * INFER_NOISES];
+    for (int a = 0; a < INFER_NOISES; a++)
+        *size_of(&l->fit->noise, a) = *size_of(&l->start, a) * exp(x[a]);
     palp_status status = infer_fit_products(l->fit, l->data);
     if (!status)
         status = infer_fit_score(l->fit, l->data);
@@ -119,14 +116,13 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
     if (!status && *chi2 > l->least)
         return PALP_OK; /* no step is made from there */
     if (!status)
-        status = infer_noise_slopes(l->fit, l->data, slope, information);
-    for (size_t a = 0; a < l->n && !status; a++) {
-        memcpy(h + a * l->n, information + a * INFER_NOISES, l->n * sizeof *h);
-        h[a * (l->n + 1)] += 1e-12 * information[0]; /* a size of nothing has no information */
-        g[a] = slope[a];
-    }
-    l->least = status ? l->least : *chi2;
-    return !status || status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
+        status = infer_noise_slopes(l->fit, l->data, g, h);
+    if (status)
+        return status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
+    for (size_t a = 0; a < INFER_NOISES; a++)
+        h[a * (INFER_NOISES + 1)] += 1e-12 * h[0]; /* a size of nothing has no information */
+    l->least = *chi2;
+    return PALP_OK;
 }
 
 static void keep(void *user) {
@@ -138,10 +134,9 @@ static void keep(void *user) {
 static void bound(learning *l, bool anew, double *x, double *low, double *high) {
     const explain_data *data = l->data;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
-    for (int a = 0; a < (int)l->n; a++) {
+    for (int a = 0; a < INFER_NOISES; a++) {
         double *now = size_of(&l->start, a);
-        const bool depth = a == INFER_BY_DEPTH || a == INFER_BY_ENCODER;
-        const double unit = depth                 ? data->deepest / data->peak
+        const double unit = a == INFER_BY_DEPTH   ? data->deepest / data->peak
                             : a == INFER_BY_CLOCK ? data->deepest / data->fastest / data->peak
                                                   : 1.0;
         const double least = (a == INFER_BY_WHITE ? 0.01 * data->run[0].white : hidden) * unit;
@@ -158,14 +153,13 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
     palp_status status = infer_tails_learn(fit, data);
     learning l = {.fit = fit,
                   .data = data,
-                  .n = fit->noise.encoder > 0.0 ? N : INFER_BY_ENCODER,
                   .start = fit->noise,
                   .promised = fit->promised,
                   .least = HUGE_VAL};
     bound(&l, anew, x, low, high);
     for (int a = 0; a < N; a++)
         reach[a] = 1.5;
-    const levenberg problem = {.n = l.n,
+    const levenberg problem = {.n = N,
                                .evaluations = evaluations,
                                .low = low,
                                .high = high,

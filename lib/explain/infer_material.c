@@ -21,6 +21,8 @@ static palp_status take_arm(infer_search *s, infer_trial *t, double wanted, bool
     if (status)
         return status;
     status = infer_begin(&next, &s->data, s->settings);
+    if (!status)
+        status = infer_fit_converge(&next, &s->data);
     *taken = !status && next.score - s->fit.score > wanted;
     if (!*taken) {
         infer_fit_free(&next);
@@ -108,7 +110,7 @@ static palp_status start(infer_search *s, palp_model *model, const palp_explain_
 
 /* The current fit without arm j, near its best parameters; raw NULL: there is none. */
 static palp_status take_out(const infer_search *s, size_t j, infer_fit *fit) {
-    enum { EVALUATIONS = 3 };
+    enum { EVALUATIONS = 8 };
     const infer_fit *with = &s->fit;
     palp_model model = with->c.model;
     palp_material *m = &model.material;
@@ -177,14 +179,17 @@ static palp_status characterize(infer_search *s, palp_model *model, size_t n,
     if (!status)
         status = drop_arms(s, choice->per_decade ? 0 : choice->least_arms,
                            choice->per_decade ? PALP_ARMS_MAX : choice->most_arms);
+    if (!status)
+        status = infer_fit_converge(&s->fit, &s->data);
     if (!status && !choice->per_decade)
         status = find_arms(s, choice->least_arms, choice->most_arms);
     fit->mean.converged = status != PALP_ERR_STOPPED;
     status = fit->mean.converged ? status : PALP_OK;
     if (!status)
         status = infer_law_choose(s, choice);
-    if (!status) /* sizes and noise moved last */
-        status = infer_fit_improve(&s->fit, &s->data, INFER_LAST);
+    if (!status)
+        status = fit->mean.converged ? infer_fit_converge(&s->fit, &s->data)
+                                     : infer_fit_improve(&s->fit, &s->data, INFER_LAST);
     return status ? status : infer_estimates_fill(s, n, inputs, fit);
 }
 
