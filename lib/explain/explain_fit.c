@@ -3,6 +3,7 @@
 #include "explain_lines.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -86,10 +87,11 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     memset(fit, 0, sizeof *fit);
     fit->model = *model;
     fit->n_columns = palp_forward_parameter_count(model);
-    fit->contact = calloc(2 * data->n_runs, sizeof *fit->contact);
+    fit->contact = calloc(3 * data->n_runs, sizeof *fit->contact);
     if (!fit->contact)
         return PALP_ERR_NO_MEMORY;
     fit->gain = fit->contact + data->n_runs;
+    fit->zero = fit->gain + data->n_runs;
     double stiffness = data->peak * data->height / data->deepest, strain = data->deepest / data->height;
     size_t k = 0;
     for (; k < model->material.law.n; k++) {
@@ -130,15 +132,11 @@ bool explain_bends(const palp_model *model) {
     return any;
 }
 
-void explain_add_gain(palp_model *model, double gain) {
-    size_t i = 0;
-    while (i < model->n_effects && model->effects[i].id != PALP_EFFECT_SENSOR_GAIN)
-        i++;
-    if (i == PALP_EFFECTS_MAX)
-        return;
-    if (i == model->n_effects)
-        palp_effect_default(PALP_EFFECT_SENSOR_GAIN, &model->effects[model->n_effects++]);
-    model->effects[i].value[0] += gain;
+void explain_add_own(palp_model *model, double gain, double zero) {
+    for (size_t i = 0; i < model->n_effects; i++)
+        model->effects[i].value[0] += model->effects[i].id == PALP_EFFECT_SENSOR_GAIN   ? gain
+                                      : model->effects[i].id == PALP_EFFECT_SENSOR_BIAS ? zero
+                                                                                        : 0.0;
 }
 
 size_t explain_first_column(const palp_model *model, size_t i) {
@@ -154,13 +152,14 @@ void explain_fit_free(explain_fit *fit) {
 }
 
 palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit *to) {
-    const size_t bytes = 2 * n_runs * sizeof *to->contact;
+    const size_t bytes = 3 * n_runs * sizeof *to->contact;
     *to = *from;
     to->contact = malloc(bytes);
     if (!to->contact)
         return PALP_ERR_NO_MEMORY;
     memcpy(to->contact, from->contact, bytes);
     to->gain = to->contact + n_runs;
+    to->zero = to->gain + n_runs;
     return PALP_OK;
 }
 
@@ -173,22 +172,24 @@ palp_status explain_fit_to_model(explain_fit *fit) {
     return palp_forward_set(&fit->model, value);
 }
 
-palp_status explain_augment(const palp_model *model, palp_model *full, size_t *offset, size_t *gain) {
-    static const palp_effect_id own[2] = {PALP_EFFECT_CONTACT_OFFSET, PALP_EFFECT_SENSOR_GAIN};
-    size_t found[2];
+palp_status explain_augment(const palp_model *model, palp_model *full, size_t column[EXPLAIN_BY]) {
+    static const palp_effect_id own[EXPLAIN_BY] = {PALP_EFFECT_CONTACT_OFFSET, PALP_EFFECT_SENSOR_GAIN,
+                                                   PALP_EFFECT_SENSOR_BIAS};
+    const bool bends = explain_bends(model);
     *full = *model;
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < EXPLAIN_BY; k++) {
         size_t i = 0;
+        column[k] = SIZE_MAX;
         while (i < full->n_effects && full->effects[i].id != own[k])
             i++;
+        if (k == EXPLAIN_BY_ZERO && (!bends || i == PALP_EFFECTS_MAX))
+            break;
         if (i == PALP_EFFECTS_MAX)
             return PALP_ERR_LIMIT;
         if (i == full->n_effects)
             palp_effect_default(own[k], &full->effects[full->n_effects++]);
-        found[k] = explain_first_column(full, i);
+        column[k] = explain_first_column(full, i);
     }
-    *offset = found[0];
-    *gain = found[1];
     return PALP_OK;
 }
 

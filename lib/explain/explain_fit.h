@@ -14,8 +14,8 @@ typedef struct explain_fit {
     double low[EXPLAIN_COLUMNS], high[EXPLAIN_COLUMNS], x[EXPLAIN_COLUMNS]; /* search coordinates */
     double unit[EXPLAIN_COLUMNS]; /* prior sd of a coordinate: very wide */
     bool logarithmic[EXPLAIN_COLUMNS];
-    double *contact, *gain; /* [n_runs] each, in one block: each run's surface, and its gain where a sensor
-                             * bends, about which the columns are linear */
+    double *contact, *gain, *zero; /* [n_runs] each, in one block: each run's surface, and its gain and zero
+                                    * where a sensor bends, about which the columns are linear */
 } explain_fit;
 
 /* ---- coordinates (explain_fit.c) ---- */
@@ -25,15 +25,19 @@ palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit
 void explain_fit_free(explain_fit *fit);
 size_t explain_first_column(const palp_model *model, size_t i); /* index of the first parameter of effect i */
 
-/* Whether a sensor of the model is nonlinear: the effect of a run's gain then depends on its value. */
+/* Whether a sensor of the model is nonlinear: the effect of a run's gain and zero then depends on their
+ * values. */
 bool explain_bends(const palp_model *model);
 
-/* Adds to the gain of the model's sensor; does nothing where the model has no room for one. */
-void explain_add_gain(palp_model *model, double gain);
+/* Adds a run's gain and zero to those of the model's sensor, as far as the model has them. */
+void explain_add_own(palp_model *model, double gain, double zero);
 
-/* The model with a contact offset and a gain, if need be at zero. Their columns are those of a run's contact
- * and gain. ERR_LIMIT: it has no room for them. */
-palp_status explain_augment(const palp_model *model, palp_model *full, size_t *offset, size_t *gain);
+/* The columns of a run's contact, gain and zero. */
+enum { EXPLAIN_BY_CONTACT, EXPLAIN_BY_GAIN, EXPLAIN_BY_ZERO, EXPLAIN_BY };
+
+/* The model with a contact offset and a gain, if need be at zero. Where a sensor bends it has a bias too, if
+ * there is room; otherwise that column is SIZE_MAX. ERR_LIMIT: there is no room for the others. */
+palp_status explain_augment(const palp_model *model, palp_model *full, size_t column[EXPLAIN_BY]);
 
 /* Derivatives by the model's parameters, gradient[columns n], into those by the coordinates: of an arm the
  * logarithms of its stiffness and of its time. */

@@ -3,6 +3,7 @@
 #include "base/dense.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -169,7 +170,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
         fit->c.hum_Hz = like->c.hum_Hz;
         fit->c.renewed = like->c.renewed;
         memcpy(fit->specimen, like->specimen, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
-        memcpy(fit->c.contact, like->c.contact, 2 * data->n_runs * sizeof *fit->c.contact);
+        memcpy(fit->c.contact, like->c.contact, 3 * data->n_runs * sizeof *fit->c.contact);
         const palp_material *m = &fit->c.model.material, *other = &like->c.model.material;
         const size_t plain = m->law.n + 2 * (m->n_arms < other->n_arms ? m->n_arms : other->n_arms);
         memcpy(fit->given, like->given, plain * sizeof *fit->given);
@@ -215,9 +216,8 @@ void infer_fit_take_state(const infer_fit *from, const explain_data *data, infer
     fit->c.hum_Hz = from->c.hum_Hz;
     fit->c.renewed = from->c.renewed;
     memcpy(fit->specimen, from->specimen, INFER_SPECIMEN * n_runs * sizeof *fit->specimen);
-    memcpy(fit->c.contact, from->c.contact, n_runs * sizeof *fit->c.contact);
+    memcpy(fit->c.contact, from->c.contact, 3 * n_runs * sizeof *fit->c.contact); /* gain and zero too */
     memcpy(fit->contact_certain, from->contact_certain, n_runs * sizeof *fit->contact_certain);
-    memcpy(fit->c.gain, from->c.gain, n_runs * sizeof *fit->c.gain);
     memcpy(fit->given + law, from->given + was, 2 * fit->c.model.material.n_arms * sizeof *fit->given);
     take_scans(from, fit);
 }
@@ -289,7 +289,7 @@ static void take_residual(const infer_fit *fit, const explain_data *data, size_t
     double *y = out + (fit->m - 1) * n;
     for (size_t i = 0; i < n; i++) {
         y[i] = run->force[i] - force[i] + fit->c.contact[r] * own[INFER_CONTACT * n + i] +
-               fit->c.gain[r] * own[INFER_GAIN * n + i];
+               fit->c.gain[r] * own[INFER_GAIN * n + i] + fit->c.zero[r] * own[INFER_ZERO * n + i];
         for (size_t a = 0; a < INFER_SPECIMEN; a++)
             y[i] += b[a] * specimen[a * n + i];
     }
@@ -297,18 +297,20 @@ static void take_residual(const infer_fit *fit, const explain_data *data, size_t
 
 /* gradient: [columns of the full model, n]; force: [n]. */
 static palp_status take_columns(const infer_fit *fit, const explain_data *data, size_t r, const double *force,
-                                double *gradient, const size_t column[2], double *out) {
+                                double *gradient, const size_t column[EXPLAIN_BY], double *out) {
     const explain_run *run = &data->run[r];
     const size_t n = run->n, k = fit->k;
     double *own = out + k * n;
     take_specimen(fit, run, r, gradient, own + INFER_BLOCK * n);
-    memcpy(own + INFER_CONTACT * n, gradient + column[0] * n, n * sizeof *own);
-    memcpy(own + INFER_GAIN * n, gradient + column[1] * n, n * sizeof *own);
+    memcpy(own + INFER_CONTACT * n, gradient + column[EXPLAIN_BY_CONTACT] * n, n * sizeof *own);
+    memcpy(own + INFER_GAIN * n, gradient + column[EXPLAIN_BY_GAIN] * n, n * sizeof *own);
+    for (size_t i = 0; i < n; i++)
+        own[INFER_ZERO * n + i] =
+            column[EXPLAIN_BY_ZERO] != SIZE_MAX ? gradient[column[EXPLAIN_BY_ZERO] * n + i] : 1.0;
     explain_chain(&fit->c, n, gradient);
     memcpy(out, gradient, k * n * sizeof *out);
     for (size_t i = 0; i < n; i++) {
         const double turn = TURN * fit->c.hum_Hz * run->time[i];
-        own[INFER_ZERO * n + i] = 1.0;
         own[INFER_SINE * n + i] = fit->c.hum_Hz > 0.0 ? sin(turn) : 0.0;
         own[INFER_COSINE * n + i] = fit->c.hum_Hz > 0.0 ? cos(turn) : 0.0;
     }
@@ -322,8 +324,8 @@ static palp_status take_columns(const infer_fit *fit, const explain_data *data, 
 /* Forces of fit->c.model, run by run, and what becomes of them; with gradients, if the columns are wanted. */
 static palp_status evaluate(infer_fit *fit, const explain_data *data, bool columns_too) {
     palp_model full;
-    size_t column[2];
-    palp_status status = explain_augment(&fit->c.model, &full, &column[0], &column[1]);
+    size_t column[EXPLAIN_BY];
+    palp_status status = explain_augment(&fit->c.model, &full, column);
     if (status)
         return status;
     const size_t columns = palp_forward_parameter_count(&full);
@@ -333,13 +335,14 @@ static palp_status evaluate(infer_fit *fit, const explain_data *data, bool colum
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
         palp_forward_run path = explain_forward_run(&data->run[r], fit->c.contact[r], &history);
         palp_model own = full;
-        explain_add_gain(&own, fit->c.gain[r]);
+        explain_add_own(&own, fit->c.gain[r], fit->c.zero[r]);
         double *gradient = work + data->run[r].n, *out = fit->raw + at * fit->m;
         status = make_own(fit, &data->run[r], r, &own);
         if (!status)
             status = explain_predict(&own, &path, work, columns_too ? gradient : NULL, NULL);
         if (!status && columns_too) {
-            take_slopes(&data->run[r], &own, work, gradient + column[0] * data->run[r].n, fit->sample + at);
+            take_slopes(&data->run[r], &own, work, gradient + column[EXPLAIN_BY_CONTACT] * data->run[r].n,
+                        fit->sample + at);
             status = take_columns(fit, data, r, work, gradient, column, out);
         } else if (!status)
             take_residual(fit, data, r, work, out);

@@ -18,10 +18,10 @@ typedef struct learning {
 } learning;
 
 static double *size_of(infer_noise *noise, int a) {
-    return a == INFER_BY_WHITE     ? &noise->white
-           : a == INFER_BY_DEPTH   ? &noise->depth
-           : a == INFER_BY_CLOCK   ? &noise->clock
-                                   : &noise->slow[a - INFER_BY_SLOW];
+    return a == INFER_BY_WHITE   ? &noise->white
+           : a == INFER_BY_DEPTH ? &noise->depth
+           : a == INFER_BY_CLOCK ? &noise->clock
+                                 : &noise->slow[a - INFER_BY_SLOW];
 }
 
 /* Cholesky factor of a whole symmetric covariance, in place. Rounding may make one that is nearly singular
@@ -151,11 +151,8 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
     enum { N = INFER_NOISES };
     double x[N], low[N], high[N], reach[N], h[N * N], g[N], chi2;
     palp_status status = infer_tails_learn(fit, data);
-    learning l = {.fit = fit,
-                  .data = data,
-                  .start = fit->noise,
-                  .promised = fit->promised,
-                  .least = HUGE_VAL};
+    learning l = {
+        .fit = fit, .data = data, .start = fit->noise, .promised = fit->promised, .least = HUGE_VAL};
     bound(&l, anew, x, low, high);
     for (int a = 0; a < N; a++)
         reach[a] = 1.5;

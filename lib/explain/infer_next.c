@@ -126,6 +126,7 @@ static palp_status extend(const infer_fit *full, size_t n_runs, const explain_da
     memcpy(fit->scan, full->scan, fit->k * sizeof *fit->scan);
     memcpy(fit->c.contact, full->c.contact, n_runs * sizeof *fit->c.contact);
     memcpy(fit->c.gain, full->c.gain, n_runs * sizeof *fit->c.gain);
+    memcpy(fit->c.zero, full->c.zero, n_runs * sizeof *fit->c.zero);
     return infer_fit_evaluate(fit, data);
 }
 

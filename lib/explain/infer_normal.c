@@ -29,9 +29,9 @@ static double hold(const infer_fit *fit, double sd) {
 
 /* The same for a parameter of a run, and the value of its column. 0: the column is linear. */
 static double hold_own(const infer_fit *fit, size_t own, size_t r, double *place) {
-    const bool gain = own == INFER_GAIN && explain_bends(&fit->c.model);
-    *place = gain ? fit->c.gain[r] : fit->c.contact[r];
-    return gain || own == INFER_CONTACT ? hold(fit, fit->sizes.own[own]) : 0.0;
+    const bool bends = own != INFER_CONTACT && explain_bends(&fit->c.model);
+    *place = own == INFER_ZERO ? fit->c.zero[r] : own == INFER_GAIN ? fit->c.gain[r] : fit->c.contact[r];
+    return own == INFER_CONTACT || (bends && own <= INFER_GAIN) ? hold(fit, fit->sizes.own[own]) : 0.0;
 }
 
 /* Cholesky factor l[BLOCK BLOCK] of the posterior precision of a run's parameters, conditional on the global

@@ -77,6 +77,8 @@ static palp_status refit_in_common(const infer_search *s, const bool common[INFE
         memset(fit->c.contact, 0, s->data.n_runs * sizeof *fit->c.contact);
     if (common[INFER_GAIN])
         memset(fit->c.gain, 0, s->data.n_runs * sizeof *fit->c.gain);
+    if (common[INFER_ZERO])
+        memset(fit->c.zero, 0, s->data.n_runs * sizeof *fit->c.zero);
     status = infer_fit_evaluate(fit, &s->data);
     return status ? status : by(fit, &s->data);
 }

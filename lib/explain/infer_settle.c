@@ -13,12 +13,13 @@ static double move(double from, double to, double share, double least, bool *mov
     return from + share * (to - from);
 }
 
-/* Moves in *fit the parameters of each specimen, each run's surface, and its gain where a sensor bends. They
- * go this share of the way from their values in *from to those of its posterior p; a surface goes at most a
- * quarter of the depth. The columns stay those of *from. */
+/* Moves in *fit the parameters of each specimen, each run's surface, and its gain and zero where a sensor
+ * bends. They go this share of the way from their values in *from to those of its posterior p; a surface goes
+ * at most a quarter of the depth. The columns stay those of *from. */
 static palp_status move_own(const infer_fit *from, const explain_data *data, const infer_posterior *p,
                             double share, infer_fit *fit, bool *moved) {
-    const double most = 0.25 * data->deepest;
+    const double most = 0.25 * data->deepest, force = 0.25 * data->peak;
+    const bool bends = explain_bends(&from->c.model);
     palp_status status = PALP_OK;
     *moved = false;
     for (size_t r = 0; r < data->n_runs && !status; r++) {
@@ -30,8 +31,11 @@ static palp_status move_own(const infer_fit *from, const explain_data *data, con
             break;
         fit->c.contact[r] = move(from->c.contact[r], fmin(most, fmax(-most, own[INFER_CONTACT])), share,
                                  fmax(0.05 * from->sizes.own[INFER_CONTACT], 1e-4 * data->deepest), moved);
-        const double gain = explain_bends(&from->c.model) ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0;
+        const double gain = bends ? fmin(0.5, fmax(-0.5, own[INFER_GAIN])) : 0.0,
+                     zero = bends ? fmin(force, fmax(-force, own[INFER_ZERO])) : 0.0;
         fit->c.gain[r] = move(from->c.gain[r], gain, share, 1e-3, moved);
+        fit->c.zero[r] = move(from->c.zero[r], zero, share,
+                              fmax(0.05 * from->sizes.own[INFER_ZERO], 1e-4 * data->peak), moved);
         for (size_t a = 0; a < INFER_SPECIMEN; a++) {
             const size_t i = r * INFER_SPECIMEN + a;
             const double at = from->specimen[i], to = fmin(at + 1.0, fmax(at - 1.0, mean[a]));
@@ -254,7 +258,7 @@ static palp_status settle_parameters_first(infer_fit *fit, const explain_data *d
     sizes.own[INFER_SINE] = sizes.own[INFER_COSINE] = fit->sizes.own[INFER_SINE]; /* those of a line */
     infer_noise_begin(fit, data);
     fit->sizes = sizes;
-    memset(fit->c.contact, 0, 2 * data->n_runs * sizeof *fit->c.contact); /* and the gains */
+    memset(fit->c.contact, 0, 3 * data->n_runs * sizeof *fit->c.contact); /* gains and zeros too */
     palp_status status = infer_fit_anneal(fit, data, ROUNDS);
     fit->sizes = sizes;
     if (!status)
