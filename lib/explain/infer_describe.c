@@ -109,7 +109,7 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
     const size_t first = explain_first_column(&s->fit.c.model, at);
     double *unit = calloc(p.g, sizeof *unit);
     const palp_effect_info *info = palp_effect_look_up(out->effect.id);
-    for (size_t k = 0; unit && k < info->n_parameters; k++) {
+    for (size_t k = 0; unit && k < info->n_parameters && !status; k++) {
         memset(unit, 0, p.g * sizeof *unit);
         unit[INFER_HATS + first + k] = infer_tail_widening(&s->fit);
         dense_forward(p.g, p.factor, 1, unit);
@@ -121,13 +121,16 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
         out->high[k] = positive ? value * ratio : value + reach;
         if (s->fit.scan[first + k].jumps) {
             const infer_scan *scan = &s->fit.scan[first + k];
-            out->low[k] = logarithmic ? exp(scan->low) : scan->low;
-            out->high[k] = logarithmic ? exp(scan->high) : scan->high;
+            double sd = 0.0;
+            status =
+                info->parameter[k].strength ? infer_scan_pull(&s->fit, &s->data, &p, first + k, &sd) : status;
+            out->low[k] = logarithmic ? exp(scan->low) : value - hypot(value - scan->low, 1.96 * sd);
+            out->high[k] = logarithmic ? exp(scan->high) : value + hypot(scan->high - value, 1.96 * sd);
         }
     }
     free(unit);
     infer_posterior_free(&p);
-    return unit ? PALP_OK : PALP_ERR_NO_MEMORY;
+    return unit ? status : PALP_ERR_NO_MEMORY;
 }
 
 /* Variance of a run's amplitude along own, its direction in sine and cosine; and the run's information on the

@@ -304,6 +304,12 @@ palp_status infer_fit_improve(infer_fit *fit, const explain_data *data, size_t e
  * moves. Without a bond it does nothing. (infer_scan.c) */
 palp_status infer_scan_bond(infer_fit *fit, const explain_data *data);
 
+/* The sd of a run's pull where its plate lets go, from all parameters but the bond's: r.m.s. over the runs
+ * that pull. On the grid all others stay near their values, so that only the sample of the release counts, as
+ * if the pull there were known. */
+palp_status infer_scan_pull(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                            size_t strength, double *sd);
+
 /* The residual of all runs, [data->n], after the model and the runs' own parameters; and the discrepancy's
  * part of it. */
 palp_status infer_residual(const infer_fit *fit, const explain_data *data, double *residual,

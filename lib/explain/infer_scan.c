@@ -2,6 +2,7 @@
  * derivative by them. The posterior is evaluated on a grid, with all other parameters integrated out at each
  * point. */
 #include "infer_internal.h"
+#include "base/dense.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -231,5 +232,50 @@ palp_status infer_scan_bond(infer_fit *fit, const explain_data *data) {
     if (!status)
         status = settle(g);
     free(g);
+    return status;
+}
+
+/* ---- the pull at which plates let go ---- */
+
+/* Variance of run r's pull where the bond's strength matters most, from all that changes it but the bond. 0:
+ * the plate does not pull. room: m + m m numbers. */
+static palp_status find_pull_variance(const infer_fit *fit, const explain_data *data,
+                                      const infer_posterior *p, size_t r, size_t at, size_t strength,
+                                      double *room, double *variance) {
+    const size_t m = fit->m, n = data->run[r].n, columns = m - 1;
+    const double *raw = fit->raw + at * m, *by = raw + strength * n;
+    double *row = room, *covariance = room + m;
+    size_t most = 0;
+    for (size_t i = 0; i < n; i++)
+        most = data->run[r].use[i] && fabs(by[i]) > fabs(by[most]) ? i : most;
+    *variance = 0.0;
+    if (by[most] == 0.0)
+        return PALP_OK;
+    palp_status status = infer_run_moments(fit, data, p, r, row, covariance);
+    for (size_t a = 0; a < columns; a++) {
+        const bool other = a < fit->k ? fit->scan[a].jumps
+                                      : a < fit->k + INFER_BLOCK && a != fit->k + INFER_CONTACT &&
+                                            a != fit->k + INFER_GAIN; /* zero, hum, discrepancy */
+        row[a] = other ? 0.0 : raw[a * n + most];
+    }
+    for (size_t a = 0; a < columns && !status; a++)
+        *variance += row[a] * dense_dot(columns, covariance + a * columns, row);
+    return status;
+}
+
+palp_status infer_scan_pull(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                            size_t strength, double *sd) {
+    double sum = 0.0, pulls = 0.0, *room = malloc((fit->m + fit->m * fit->m) * sizeof *room);
+    palp_status status = room ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
+        double variance;
+        status = find_pull_variance(fit, data, p, r, at, strength, room, &variance);
+        if (status || !(variance > 0.0))
+            continue;
+        sum += variance;
+        pulls += 1.0;
+    }
+    *sd = pulls > 0.0 ? sqrt(sum / pulls) : 0.0;
+    free(room);
     return status;
 }
