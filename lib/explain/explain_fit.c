@@ -94,6 +94,10 @@ palp_status explain_fit_create(const palp_model *model, const explain_data *data
     fit->zero = fit->gain + data->n_runs;
     double stiffness = data->peak * data->height / data->deepest, strain = data->deepest / data->height;
     size_t k = 0;
+    if (data->law_alone) {
+        fit->softest = EXPLAIN_SOFTEST * stiffness;
+        fit->strain = strain;
+    }
     for (; k < model->material.law.n; k++) {
         const bool plain = model->material.law.kind == PALP_LAW_POLYNOMIAL,
                    spline = model->material.law.kind == PALP_LAW_SPLINE;
@@ -163,13 +167,19 @@ palp_status explain_fit_copy(const explain_fit *from, size_t n_runs, explain_fit
     return PALP_OK;
 }
 
+bool explain_is_stiff(const explain_fit *fit, const palp_law *law) {
+    return !(fit->softest > 0.0) || law->kind == PALP_LAW_SPLINE ||
+           palp_law_minimum(law, fit->strain) >= fit->softest;
+}
+
 palp_status explain_fit_to_model(explain_fit *fit) {
     double value[EXPLAIN_COLUMNS];
     for (size_t k = 0; k < fit->n_columns; k++)
         value[k] = fit->logarithmic[k] ? exp(fit->x[k]) : fit->x[k];
     for (size_t j = 0; j < fit->model.material.n_arms; j++)
         value[fit->model.material.law.n + 2 * j + 1] *= value[fit->model.material.law.n + 2 * j];
-    return palp_forward_set(&fit->model, value);
+    palp_status status = palp_forward_set(&fit->model, value);
+    return status || explain_is_stiff(fit, &fit->model.material.law) ? status : PALP_ERR_NOT_CONVERGED;
 }
 
 palp_status explain_augment(const palp_model *model, palp_model *full, size_t column[EXPLAIN_BY]) {

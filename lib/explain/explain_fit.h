@@ -14,6 +14,8 @@ typedef struct explain_fit {
     double low[EXPLAIN_COLUMNS], high[EXPLAIN_COLUMNS], x[EXPLAIN_COLUMNS]; /* search coordinates */
     double unit[EXPLAIN_COLUMNS]; /* prior sd of a coordinate: very wide */
     bool logarithmic[EXPLAIN_COLUMNS];
+    double softest,
+        strain; /* a law that is fitted alone is at least so stiff up to this strain; 0: not asked */
     double *contact, *gain, *zero; /* [n_runs] each, in one block: each run's surface, and its gain and zero
                                     * where a sensor bends, about which the columns are linear */
 } explain_fit;
@@ -43,7 +45,10 @@ palp_status explain_augment(const palp_model *model, palp_model *full, size_t co
  * logarithms of its stiffness and of its time. */
 void explain_chain(const explain_fit *fit, size_t n, double *gradient);
 
-/* fit->x into fit->model. ERR_ARGUMENT: makes no model. */
+/* Whether a law is as stiff as the fit asks for. */
+bool explain_is_stiff(const explain_fit *fit, const palp_law *law);
+
+/* fit->x into fit->model. ERR_ARGUMENT: makes no model. ERR_NOT_CONVERGED: its law is too soft. */
 palp_status explain_fit_to_model(explain_fit *fit);
 
 /* ---- where an effect's search starts (explain_starts.c) ---- */

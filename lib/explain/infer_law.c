@@ -329,12 +329,27 @@ static palp_status settle_with(const infer_search *s, const palp_law *law, infer
     return status;
 }
 
+/* Moves a law towards a given one of the same family until it is stiff enough. */
+static palp_status stiffen(const explain_fit *fit, const palp_law *given, palp_law *law) {
+    enum { HALVES = 20 };
+    palp_status status = PALP_OK;
+    for (int i = 0; i < HALVES && !status && !explain_is_stiff(fit, law); i++) {
+        double middle[PALP_LAW_MAX];
+        for (size_t c = 0; c < law->n; c++)
+            middle[c] = 0.5 * (law->coefficients[c] + given->coefficients[c]);
+        status = palp_law_set_coefficients(law, middle);
+    }
+    return status;
+}
+
 /* Log odds of the current fit over the law, nats, and the nearest law of its family. A spline of fewer knots
  * has only its knots given; its values are those of the current spline. */
 static palp_status judge(const infer_search *s, const palp_law *law, palp_law *nearest, double *nats) {
     const palp_law *spline = &s->fit.c.model.material.law;
-    if (law->kind != PALP_LAW_SPLINE)
-        return infer_law_compare(&s->fit, &s->data, law, nearest, nats);
+    if (law->kind != PALP_LAW_SPLINE) {
+        palp_status status = infer_law_compare(&s->fit, &s->data, law, nearest, nats);
+        return status ? status : stiffen(&s->fit.c, law, nearest);
+    }
     *nats = 0.0;
     return infer_spline_of(spline, law->n, spline->strain[spline->n - 1], nearest);
 }
