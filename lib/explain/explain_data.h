@@ -58,6 +58,7 @@ typedef struct explain_data {
     const palp_model *given;                /* the model to be explained */
     double strain;                          /* largest */
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
+    double memory;              /* longest time of the correlated noise, s; 0: that of the longest run */
     double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
     double stride;              /* largest way between two samples, of the run where it is least, m */
     effect_shown shown;         /* how the plate moves in them */

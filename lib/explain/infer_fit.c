@@ -90,7 +90,8 @@ static void take_scans(const infer_fit *from, infer_fit *fit) {
 }
 
 void infer_noise_begin(infer_fit *fit, const explain_data *data) {
-    const double white = data->run[0].white, shortest = 4.0 * data->step, longest = data->duration;
+    const double white = data->run[0].white, shortest = 4.0 * data->step,
+                 longest = data->memory > 0.0 ? data->memory : data->duration;
     fit->noise = (infer_noise){.white = white,
                                .depth = 1e-3 * white * data->deepest / data->peak,
                                .clock = 1e-3 * white * data->deepest / data->fastest / data->peak,

@@ -40,7 +40,13 @@ typedef struct infer_noise {
 } infer_noise;
 
 /* The sizes that are estimated. The encoder's follows from its step. */
-enum { INFER_BY_WHITE, INFER_BY_DEPTH, INFER_BY_CLOCK, INFER_BY_SLOW, INFER_NOISES = INFER_BY_SLOW + INFER_SLOW };
+enum {
+    INFER_BY_WHITE,
+    INFER_BY_DEPTH,
+    INFER_BY_CLOCK,
+    INFER_BY_SLOW,
+    INFER_NOISES = INFER_BY_SLOW + INFER_SLOW
+};
 
 /* Slopes and weights on which the noise of a sample depends. */
 typedef struct infer_sample {

@@ -168,14 +168,11 @@ static palp_status drop_arms(infer_search *s, size_t least, size_t most) {
     return status;
 }
 
-static palp_status characterize(infer_search *s, palp_model *model, size_t n,
-                                const palp_explain_input *inputs, const palp_explain_choice *choice,
-                                palp_specimens_fit *fit, palp_error *error) {
-    s->residual = malloc(2 * s->data.n * sizeof *s->residual);
-    if (!s->residual)
-        return PALP_ERR_NO_MEMORY;
-    s->discrepancy = s->residual + s->data.n;
-    palp_status status = start(s, model, choice, error);
+/* The arms that the runs show, beside correlated noise of this longest time; 0: that of the longest run. */
+static palp_status search_arms(infer_search *s, palp_model model, const palp_explain_choice *choice,
+                               double memory, palp_error *error) {
+    s->data.memory = memory;
+    palp_status status = start(s, &model, choice, error);
     if (!status)
         status = drop_arms(s, choice->per_decade ? 0 : choice->least_arms,
                            choice->per_decade ? PALP_ARMS_MAX : choice->most_arms);
@@ -183,6 +180,64 @@ static palp_status characterize(infer_search *s, palp_model *model, size_t n,
         status = infer_fit_converge(&s->fit, &s->data);
     if (!status && !choice->per_decade)
         status = find_arms(s, choice->least_arms, choice->most_arms);
+    return status;
+}
+
+/* Gives the longest time to the smallest process of the correlated noise, if the fit is then more probable.
+ */
+static palp_status lengthen(infer_search *s) {
+    infer_fit longer;
+    infer_noise *noise = &longer.noise;
+    int least = 0;
+    palp_status status = infer_fit_copy(&s->fit, &s->data, &longer);
+    if (status)
+        return status;
+    for (int a = 1; a < INFER_SLOW; a++)
+        least = noise->slow[a] < noise->slow[least] ? a : least;
+    noise->time[least] = s->data.duration;
+    noise->slow_freedom[least] = 1000.0;
+    for (size_t i = 0; i < s->data.n; i++)
+        longer.sample[i].steady[least] = 1.0;
+    status = infer_fit_products(&longer, &s->data);
+    if (!status)
+        status = infer_fit_score(&longer, &s->data);
+    if (!status)
+        status = infer_fit_converge(&longer, &s->data);
+    if (!status && longer.score > s->fit.score)
+        infer_fit_exchange(&s->fit, &longer);
+    infer_fit_free(&longer);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* Correlated noise as long as a run can pass for relaxation where the model lacks an effect. So the search
+ * begins with noise of a hundredth of that time too, and the more probable end is kept. */
+static palp_status search_in_two_ways(infer_search *s, const palp_model *model,
+                                      const palp_explain_choice *choice, palp_error *error) {
+    static const double SHARE = 0.01;
+    const double memory = fmax(SHARE * s->data.duration, 40.0 * s->data.step); /* a decade of times */
+    palp_status status = search_arms(s, *model, choice, 0.0, error);
+    if (status || memory >= s->data.duration)
+        return status;
+    infer_fit whole = s->fit;
+    memset(&s->fit, 0, sizeof s->fit);
+    status = search_arms(s, *model, choice, memory, NULL);
+    if (!status)
+        status = lengthen(s);
+    s->data.memory = 0.0;
+    if (!s->fit.raw || whole.score > s->fit.score)
+        infer_fit_exchange(&s->fit, &whole);
+    infer_fit_free(&whole);
+    return status == PALP_ERR_NO_MEMORY || status == PALP_ERR_STOPPED ? status : PALP_OK;
+}
+
+static palp_status characterize(infer_search *s, const palp_model *model, size_t n,
+                                const palp_explain_input *inputs, const palp_explain_choice *choice,
+                                palp_specimens_fit *fit, palp_error *error) {
+    s->residual = malloc(2 * s->data.n * sizeof *s->residual);
+    if (!s->residual)
+        return PALP_ERR_NO_MEMORY;
+    s->discrepancy = s->residual + s->data.n;
+    palp_status status = search_in_two_ways(s, model, choice, error);
     fit->mean.converged = status != PALP_ERR_STOPPED;
     status = fit->mean.converged ? status : PALP_OK;
     if (!status)
