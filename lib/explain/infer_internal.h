@@ -39,13 +39,14 @@ typedef struct infer_noise {
     double slow_freedom[INFER_SLOW]; /* and for the innovations of the correlated noise; 0: they are normal */
 } infer_noise;
 
-/* The sizes that are estimated. The encoder's follows from its step. */
+/* The sizes among these; the encoder's is last, as it may be none. */
 enum {
     INFER_BY_WHITE,
     INFER_BY_DEPTH,
     INFER_BY_CLOCK,
     INFER_BY_SLOW,
-    INFER_NOISES = INFER_BY_SLOW + INFER_SLOW
+    INFER_BY_ENCODER = INFER_BY_SLOW + INFER_SLOW,
+    INFER_NOISES
 };
 
 /* Slopes and weights on which the noise of a sample depends. */
@@ -100,6 +101,7 @@ typedef struct infer_fit {
     double *contact_certain; /* [n_runs] expected precision of each contact, in units of that of its size */
     infer_sample *sample;    /* [data->n] */
     double converter;        /* step of the force, N; 0 = none was found */
+    double rounding;         /* sd of the rounding to the encoder's steps, m; its error is no larger */
     double certain[PALP_LAW_MAX]; /* of each bend: expected precision, in units of sizes.bend's */
     double log_noise;             /* log determinant of the noise's covariance, less the part that tails count
                                      twice */

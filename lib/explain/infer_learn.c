@@ -11,6 +11,7 @@
 typedef struct learning {
     infer_fit *fit;
     const explain_data *data;
+    unsigned n;        /* sizes that are learned */
     infer_noise start; /* coordinates are logarithms of the sizes, relative to those at the start */
     double promised;   /* at the start: so that units do not matter */
     double least;      /* chi2 so far */
@@ -18,10 +19,11 @@ typedef struct learning {
 } learning;
 
 static double *size_of(infer_noise *noise, int a) {
-    return a == INFER_BY_WHITE   ? &noise->white
-           : a == INFER_BY_DEPTH ? &noise->depth
-           : a == INFER_BY_CLOCK ? &noise->clock
-                                 : &noise->slow[a - INFER_BY_SLOW];
+    return a == INFER_BY_WHITE     ? &noise->white
+           : a == INFER_BY_DEPTH   ? &noise->depth
+           : a == INFER_BY_CLOCK   ? &noise->clock
+           : a == INFER_BY_ENCODER ? &noise->encoder
+                                   : &noise->slow[a - INFER_BY_SLOW];
 }
 
 /* Cholesky factor of a whole symmetric covariance, in place. Rounding may make one that is nearly singular
@@ -107,8 +109,9 @@ palp_status infer_noise_slopes(infer_fit *fit, const explain_data *data, double 
 static palp_status evaluate(void *user, const double *x, double *h, double *g, double *chi2) {
     learning *l = user;
     l->best = false;
-    for (int a = 0; a < INFER_NOISES; a++)
-        *size_of(&l->fit->noise, a) = *size_of(&l->start, a) * exp(x[a]);
+    for (unsigned a = 0; a < l->n; a++)
+        *size_of(&l->fit->noise, (int)a) = *size_of(&l->start, (int)a) * exp(x[a]);
+    double slope[INFER_NOISES], information[INFER_NOISES * INFER_NOISES];
     palp_status status = infer_fit_products(l->fit, l->data);
     if (!status)
         status = infer_fit_score(l->fit, l->data);
@@ -116,34 +119,37 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
     if (!status && *chi2 > l->least)
         return PALP_OK; /* no step is made from there */
     if (!status)
-        status = infer_noise_slopes(l->fit, l->data, g, h);
-    if (status)
-        return status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
-    for (size_t a = 0; a < INFER_NOISES; a++)
-        h[a * (INFER_NOISES + 1)] += 1e-12 * h[0]; /* a size of nothing has no information */
-    l->least = *chi2;
-    return PALP_OK;
+        status = infer_noise_slopes(l->fit, l->data, slope, information);
+    for (size_t a = 0; a < l->n && !status; a++) {
+        memcpy(h + a * l->n, information + a * INFER_NOISES, l->n * sizeof *h);
+        h[a * (l->n + 1)] += 1e-12 * information[0]; /* a size of nothing has no information */
+        g[a] = slope[a];
+    }
+    l->least = status ? l->least : *chi2;
+    return !status || status == PALP_ERR_NO_MEMORY ? status : PALP_ERR_NOT_CONVERGED;
 }
 
 static void keep(void *user) {
     ((learning *)user)->best = true;
 }
 
-/* Bounds: no noise is larger than the largest force, and none smaller than the error of the mean of all
- * samples can be seen. */
+/* Bounds: no noise is larger than the largest force, none of an encoder larger than its rounding's, and none
+ * smaller than the error of the mean of all samples can be seen. */
 static void bound(learning *l, bool anew, double *x, double *low, double *high) {
     const explain_data *data = l->data;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
-    for (int a = 0; a < INFER_NOISES; a++) {
+    for (int a = 0; a < (int)l->n; a++) {
         double *now = size_of(&l->start, a);
-        const double unit = a == INFER_BY_DEPTH   ? data->deepest / data->peak
+        const bool depth = a == INFER_BY_DEPTH || a == INFER_BY_ENCODER;
+        const double unit = depth                 ? data->deepest / data->peak
                             : a == INFER_BY_CLOCK ? data->deepest / data->fastest / data->peak
                                                   : 1.0;
-        const double least = (a == INFER_BY_WHITE ? 0.01 * data->run[0].white : hidden) * unit;
-        *now = fmin(data->peak * unit, fmax(least, *now));
+        const double most = a == INFER_BY_ENCODER ? l->fit->rounding : data->peak * unit,
+                     least = fmin(most, (a == INFER_BY_WHITE ? 0.01 * data->run[0].white : hidden) * unit);
+        *now = fmin(most, fmax(least, *now));
         low[a] = log(least / *now);
-        high[a] = log(data->peak * unit / *now);
-        x[a] = anew && a != INFER_BY_WHITE ? fmax(0.0, log(3.0 * least / *now)) : 0.0;
+        high[a] = log(most / *now);
+        x[a] = anew && a != INFER_BY_WHITE ? fmin(high[a], fmax(0.0, log(3.0 * least / *now))) : 0.0;
     }
 }
 
@@ -151,12 +157,16 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
     enum { N = INFER_NOISES };
     double x[N], low[N], high[N], reach[N], h[N * N], g[N], chi2;
     palp_status status = infer_tails_learn(fit, data);
-    learning l = {
-        .fit = fit, .data = data, .start = fit->noise, .promised = fit->promised, .least = HUGE_VAL};
+    learning l = {.fit = fit,
+                  .data = data,
+                  .n = fit->noise.encoder > 0.0 ? N : INFER_BY_ENCODER,
+                  .start = fit->noise,
+                  .promised = fit->promised,
+                  .least = HUGE_VAL};
     bound(&l, anew, x, low, high);
     for (int a = 0; a < N; a++)
         reach[a] = 1.5;
-    const levenberg problem = {.n = N,
+    const levenberg problem = {.n = l.n,
                                .evaluations = evaluations,
                                .low = low,
                                .high = high,

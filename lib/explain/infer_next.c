@@ -113,6 +113,7 @@ static palp_status extend(const infer_fit *full, size_t n_runs, const explain_da
     fit->noise = full->noise;
     fit->sizes = full->sizes;
     fit->converter = full->converter;
+    fit->rounding = full->rounding;
     fit->plain = full->plain;
     fit->held = full->held;
     fit->c.hum_Hz = full->c.hum_Hz;

@@ -171,11 +171,12 @@ static void pull_back(const kept *k, size_t count, double *restrict r, double *r
             r[(size_t)a * count + c] += k->row[a] * x[c];
 }
 
-/* What the step to sample i adds to the variance of process a; the first sample has all of it. */
+/* What the step to sample i adds to the variance of state a; the first sample has all of it. */
 static double gained_by(const infer_noise *noise, size_t i, const infer_sample *sample, const kept *k,
                         int a) {
-    const double square = noise->slow[a] * noise->slow[a];
-    return i == 0 ? square : square * (1.0 - k->decay[a] * k->decay[a]) / sample->steady[a];
+    const double size = a == ENCODER ? noise->encoder : noise->slow[a],
+                 gained = size * size * (i > 0 ? 1.0 - k->decay[a] * k->decay[a] : 1.0);
+    return a == ENCODER || i == 0 ? gained : gained / sample->steady[a];
 }
 
 void infer_unwhiten(const infer_noise *noise, size_t n, const infer_sample *sample, const double *work,
@@ -195,7 +196,7 @@ void infer_unwhiten(const infer_noise *noise, size_t n, const infer_sample *samp
     }
 }
 
-/* Derivatives of variances by half of each size's logarithm: of the independent noise, and of the processes'
+/* Derivatives of variances by half of each size's logarithm: of the independent noise, and of the states'
  * gain from sample i - 1 to i. */
 static void find_parts(const infer_noise *noise, size_t i, const infer_sample *sample, const kept *k,
                        double part[INFER_NOISES]) {
@@ -204,7 +205,7 @@ static void find_parts(const infer_noise *noise, size_t i, const infer_sample *s
     part[INFER_BY_WHITE] = noise->white * noise->white / precision;
     part[INFER_BY_DEPTH] = depth * depth / precision;
     part[INFER_BY_CLOCK] = clock * clock / precision;
-    for (int a = 0; a < INFER_SLOW; a++)
+    for (int a = 0; a < S; a++)
         part[INFER_BY_SLOW + a] = gained_by(noise, i, sample, k, a);
 }
 
@@ -214,7 +215,7 @@ void infer_noise_slope(const infer_noise *noise, size_t n, const infer_sample *s
                        double *information) {
     enum { N = INFER_NOISES };
     const kept *all = (const kept *)work;
-    double *r = work + n * INFER_FILTER, v[S][S] = {{0.0}}, part[N], state[INFER_SLOW] = {0.0};
+    double *r = work + n * INFER_FILTER, v[S][S] = {{0.0}}, part[N], state[S] = {0.0};
     memset(r, 0, S * count * sizeof *r);
     for (size_t i = n; i-- > 0;) {
         const double square = look_back(&all[i], v);
@@ -226,20 +227,19 @@ void infer_noise_slope(const infer_noise *noise, size_t n, const infer_sample *s
             slope[a] += part[a] * more;
             to[a] = 2.0 * part[a] * y[count - 1];
         }
-        for (int a = 0; a < INFER_SLOW; a++) {
-            const double *pull = r + (size_t)a * count;
+        for (int a = 0; a < S; a++) {
+            double *pull = r + (size_t)a * count;
             slope[INFER_BY_SLOW + a] += part[INFER_BY_SLOW + a] * (dense_dot(count, pull, pull) - v[a][a]);
             to[INFER_BY_SLOW + a] = 2.0 * part[INFER_BY_SLOW + a] * pull[count - 1];
-        }
-        for (int a = 0; a < S; a++)
             for (size_t c = 0; c < count; c++)
-                r[(size_t)a * count + c] *= all[i].decay[a];
+                pull[c] *= all[i].decay[a];
+        }
         step_back(&all[i], v);
     }
     for (size_t i = 0; i < n; i++)
-        for (int a = 0; a < INFER_SLOW; a++) {
+        for (int a = 0; a < S; a++) {
             state[a] = (i > 0 ? all[i].decay[a] * state[a] : 0.0) + moved[i * N + INFER_BY_SLOW + (size_t)a];
-            moved[i * N + INFER_BY_SLOW + (size_t)a] = state[a];
+            moved[i * N + INFER_BY_SLOW + (size_t)a] = all[i].row[a] * state[a];
         }
     filter(all, noise->encoder > 0.0, n, N, r, moved);
     dense_add_square(N, n, 0.5, moved, information);

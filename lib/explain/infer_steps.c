@@ -57,7 +57,7 @@ void infer_steps_find(infer_fit *fit, const explain_data *data) {
         force = run->samples ? NAN : infer_common_step(run->n, run->force, force);
     }
     fit->converter = force > 0.0 ? force : 0.0; /* NAN: there is none */
-    fit->noise.encoder = depth > 0.0 ? depth / sqrt(12.0) : 0.0;
+    fit->rounding = fit->noise.encoder = depth > 0.0 ? depth / sqrt(12.0) : 0.0;
     for (size_t r = 0, at = 0; r < data->n_runs; at += data->run[r++].n)
         if (depth > 0.0)
             find_correlations(&data->run[r], depth, fit->sample + at);

@@ -548,7 +548,8 @@ START_TEST(the_slopes_of_the_noise_are_those_of_the_evidence) {
                                                                                &fit.noise.slow[0],
                                                                                &fit.noise.slow[1],
                                                                                &fit.noise.slow[2],
-                                                                               &fit.noise.slow[3]};
+                                                                               &fit.noise.slow[3],
+                                                                               &fit.noise.encoder};
     ck_assert_int_eq(infer_fit_products(&fit, &data), PALP_OK);
     ck_assert_int_eq(infer_noise_slopes(&fit, &data, slope, information), PALP_OK);
     for (int a = 0; a < INFER_NOISES; a++) {
