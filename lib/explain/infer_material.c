@@ -183,8 +183,7 @@ static palp_status search_arms(infer_search *s, palp_model model, const palp_exp
     return status;
 }
 
-/* Gives the longest time to the smallest process of the correlated noise, if the fit is then more probable.
- */
+/* Gives the longest time to the smallest process of the correlated noise, unless that is less probable. */
 static palp_status lengthen(infer_search *s) {
     infer_fit longer;
     infer_noise *noise = &longer.noise;
@@ -203,14 +202,14 @@ static palp_status lengthen(infer_search *s) {
         status = infer_fit_score(&longer, &s->data);
     if (!status)
         status = infer_fit_converge(&longer, &s->data);
-    if (!status && longer.score > s->fit.score)
+    if (!status && longer.score > s->fit.score - infer_threshold(s->settings))
         infer_fit_exchange(&s->fit, &longer);
     infer_fit_free(&longer);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
 /* Correlated noise as long as a run can pass for relaxation where the model lacks an effect. So the search
- * begins with noise of a hundredth of that time too, and the more probable end is kept. */
+ * begins with noise of a hundredth of that time too. Its end is kept if it is more probable. */
 static palp_status search_in_two_ways(infer_search *s, const palp_model *model,
                                       const palp_explain_choice *choice, palp_error *error) {
     static const double SHARE = 0.01;
@@ -224,7 +223,7 @@ static palp_status search_in_two_ways(infer_search *s, const palp_model *model,
     if (!status)
         status = lengthen(s);
     s->data.memory = 0.0;
-    if (!s->fit.raw || whole.score > s->fit.score)
+    if (!s->fit.raw || s->fit.score - whole.score < infer_threshold(s->settings))
         infer_fit_exchange(&s->fit, &whole);
     infer_fit_free(&whole);
     return status == PALP_ERR_NO_MEMORY || status == PALP_ERR_STOPPED ? status : PALP_OK;
