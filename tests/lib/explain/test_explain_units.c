@@ -199,7 +199,8 @@ START_TEST(what_knows_a_speed_or_time_is_named_in_any_units) {
         ck_assert_int_eq(e[k].effect[0].effect.id, timed[_i].id);
     }
     double first = strength_of(&e[0].effect[0].effect, &all[0]);
-    ck_assert_double_eq_tol(strength_of(&e[1].effect[0].effect, &all[1]), first, 1e-4 * first);
+    /* log Z converges to a thousandth, which is 0.045 standard errors; that of the power law is 1.3 % */
+    ck_assert_double_eq_tol(strength_of(&e[1].effect[0].effect, &all[1]), first, 3e-4 * first);
     for (int k = 0; k < 2; k++)
         palp_explanation_free(&e[k]);
 }
