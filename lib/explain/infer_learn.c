@@ -133,8 +133,9 @@ static void keep(void *user) {
     ((learning *)user)->best = true;
 }
 
-/* Bounds: no noise is larger than the largest force, none of an encoder larger than its rounding's, and none
- * smaller than the error of the mean of all samples can be seen. */
+/* Bounds: no noise is larger than the largest force, and none smaller than the error of the mean of all
+ * samples can be seen. Of a law alone, an encoder's is no larger than its rounding's; beside a discrepancy it
+ * may be, as one session (Mach-1 static_00) else has several maxima. */
 static void bound(learning *l, bool anew, double *x, double *low, double *high) {
     const explain_data *data = l->data;
     const double hidden = data->run[0].white / sqrt((double)explain_samples(data));
@@ -144,7 +145,7 @@ static void bound(learning *l, bool anew, double *x, double *low, double *high) 
         const double unit = depth                 ? data->deepest / data->peak
                             : a == INFER_BY_CLOCK ? data->deepest / data->fastest / data->peak
                                                   : 1.0;
-        const double most = a == INFER_BY_ENCODER ? l->fit->rounding : data->peak * unit,
+        const double most = a == INFER_BY_ENCODER && data->law_alone ? l->fit->rounding : data->peak * unit,
                      least = fmin(most, (a == INFER_BY_WHITE ? 0.01 * data->run[0].white : hidden) * unit);
         *now = fmin(most, fmax(least, *now));
         low[a] = log(least / *now);
