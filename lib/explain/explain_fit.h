@@ -14,8 +14,8 @@ typedef struct explain_fit {
     double low[EXPLAIN_COLUMNS], high[EXPLAIN_COLUMNS], x[EXPLAIN_COLUMNS]; /* search coordinates */
     double unit[EXPLAIN_COLUMNS]; /* prior sd of a coordinate: very wide */
     bool logarithmic[EXPLAIN_COLUMNS];
-    double softest,
-        strain; /* a law that is fitted alone is at least so stiff up to this strain; 0: not asked */
+    double softest;                /* a law that is fitted alone is nowhere softer, N; 0: it is not asked */
+    double strain;                 /* up to this one */
     double *contact, *gain, *zero; /* [n_runs] each, in one block: each run's surface, and its gain and zero
                                     * where a sensor bends, about which the columns are linear */
 } explain_fit;

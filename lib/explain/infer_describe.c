@@ -122,8 +122,8 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
         if (s->fit.scan[first + k].jumps) {
             const infer_scan *scan = &s->fit.scan[first + k];
             double sd = 0.0;
-            status =
-                info->parameter[k].strength ? infer_scan_pull(&s->fit, &s->data, &p, first + k, &sd) : status;
+            if (info->parameter[k].strength)
+                status = infer_scan_pull(&s->fit, &s->data, &p, first + k, &sd);
             out->low[k] = logarithmic ? exp(scan->low) : value - hypot(value - scan->low, 1.96 * sd);
             out->high[k] = logarithmic ? exp(scan->high) : value + hypot(scan->high - value, 1.96 * sd);
         }

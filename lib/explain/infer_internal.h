@@ -94,14 +94,15 @@ typedef struct infer_fit {
     size_t n_terms;
     palp_free_term term[INFER_DOMAINS];
     bool kept_weights; /* by_depth and by_time stay those of an earlier model */
-    bool held;         /* contacts, specimens and nonlinear gains are fixed at the values of the columns */
-    double *raw;       /* all runs' columns, run r at raw + first sample m */
-    double *product;   /* [n_runs m m] of the whitened ones */
-    double *specimen;  /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
+    bool held;   /* contacts, specimens, gains and zeros of a nonlinear sensor are fixed at the values of the
+                    columns */
+    double *raw; /* all runs' columns, run r at raw + first sample m */
+    double *product;         /* [n_runs m m] of the whitened ones */
+    double *specimen;        /* [n_runs INFER_SPECIMEN] where the columns are; alike in one specimen */
     double *contact_certain; /* [n_runs] expected precision of each contact, in units of that of its size */
     infer_sample *sample;    /* [data->n] */
     double converter;        /* step of the force, N; 0 = none was found */
-    double rounding;         /* sd of the rounding to the encoder's steps, m; its error is no larger */
+    double rounding;         /* sd of the rounding to the encoder's steps, m */
     double certain[PALP_LAW_MAX]; /* of each bend: expected precision, in units of sizes.bend's */
     double log_noise;             /* log determinant of the noise's covariance, less the part that tails count
                                      twice */

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double SOFTEST = 1e-3; /* of a typical stiffness: where the spline of a law ends */
-
 /* The posterior of the law's coordinates, all others integrated out, and the prior's precision. */
 typedef struct law_posterior {
     size_t n;
@@ -153,7 +151,7 @@ static palp_status family_prior(const infer_fit *fit, const explain_data *data, 
     if (!status) {
         take_law_block(k, n, q, block);
         palp_law_stiffness(given, knots->strain[n - 1], &typical, NULL);
-        sample_law(given, knots, SOFTEST * fabs(typical), x, slope);
+        sample_law(given, knots, EXPLAIN_SOFTEST * fabs(typical), x, slope);
         for (size_t a = 0; a < n; a++)
             x[a] -= fit->given[a];
         project(n, given->n, block, slope, x, m, pull);
@@ -180,7 +178,7 @@ palp_status infer_law_compare(const infer_fit *fit, const explain_data *data, co
     if (!status) {
         const size_t n = law->n, p = given->n;
         palp_law_stiffness(given, knots->strain[n - 1], &typical, NULL);
-        const double square = find_nearest(law, knots, SOFTEST * fabs(typical), nearest, after);
+        const double square = find_nearest(law, knots, EXPLAIN_SOFTEST * fabs(typical), nearest, after);
         *nats = 0.5 * (square + log_determinant(p, after) - log_determinant(p, before) -
                        log_determinant(n, law->precision) + log_determinant(n, law->prior));
         if (!isfinite(*nats)) /* a coefficient that neither prior nor posterior determines */
