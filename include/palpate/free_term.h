@@ -28,6 +28,9 @@ typedef enum palp_free_kind {
                                 sign of the motion */
     PALP_FREE_SESSION,       /* time in the session, s */
     PALP_FREE_PLACE,         /* the recorded depth, m, in air too */
+    PALP_FREE_GAIN,          /* the recorded depth, m; in proportion to the force of the plate */
+    PALP_FREE_RESPONSE,      /* time since a change of the plate's speed, s, in air too; the sum over all
+                                changes, each in proportion to its size. It ends at to, with 0 */
     PALP_FREE_KINDS
 } palp_free_kind;
 
@@ -48,8 +51,10 @@ typedef struct palp_free_term {
     palp_free_kind kind;
     palp_free_class does;
     double from, to; /* in the coordinate of the kind */
-    double depth_m;  /* at which a force in proportion to the depth is that of the table */
+    double depth_m;  /* at which a force in proportion to the depth is that of the table; of a RESPONSE,
+                        depth_m / to is the change of speed to which the table belongs */
     double slow_m_s; /* of a speed */
+    double plate_N;  /* of a GAIN: the force of the plate at which the table holds; otherwise 0 */
     double force_N[PALP_FREE_NODES], sd_N[PALP_FREE_NODES];
 } palp_free_term;
 

@@ -1,6 +1,6 @@
-/* free_formula.c: a free term as a sum of few forms with a shape each, by their evidence. The likelihood of a
- * term's table is a normal density. So the forces of a formula are integrated out exactly, and its shapes on
- * a grid. */
+/* free_formula.c: a free term as a sum of few different forms with a shape each, by their evidence. The
+ * likelihood of a term's table is a normal density. So the forces of a formula are integrated out exactly,
+ * and its shapes on a grid. */
 #include <palpate/explain.h>
 
 #include "base/dense.h"
@@ -133,7 +133,14 @@ static void refine(const problem *p, palp_formula *f, size_t j) {
     f->part[j].force_high_N = fmax(mean[f->n - 1], first + 1.96 * sd);
 }
 
-/* Adds a part if it gains more than the threshold. */
+static bool has_form(const palp_formula *f, palp_formula_form form) {
+    for (size_t i = 0; i < f->n; i++)
+        if (f->part[i].form == form)
+            return true;
+    return false;
+}
+
+/* Adds a part of another form if it gains more than the threshold. */
 static bool add_part(const problem *p, double threshold, palp_formula *f) {
     double column[MOST][N], weight[GRID], best = -HUGE_VAL, second = -HUGE_VAL, shape = 0.0;
     size_t at;
@@ -141,6 +148,8 @@ static bool add_part(const problem *p, double threshold, palp_formula *f) {
     for (size_t i = 0; i < f->n; i++)
         find_column(p, f->part[i].form, f->part[i].shape, column[i]);
     for (int k = 0; k < PALP_FORMS; k++) {
+        if (has_form(f, (palp_formula_form)k))
+            continue;
         const double gain = scan(p, f->n + 1, column, (palp_formula_form)k, weight, &at) - log(PALP_FORMS);
         second = fmax(second, fmin(gain, best));
         if (gain > best) {

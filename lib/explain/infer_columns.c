@@ -5,6 +5,7 @@
 #include "response/free_term.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 void infer_hats(const explain_data *data, size_t r, double contact, double *column) {
@@ -86,40 +87,55 @@ static void find_range(const explain_data *data, palp_free_kind kind, double *fr
         *from = first;
         *to = first + data->span;
         break;
+    case PALP_FREE_GAIN: /* of nothing in air */
+        *to = data->deepest;
+        break;
     case PALP_FREE_PLACE:
         *from = top;
         *to = data->deepest;
+        break;
+    case PALP_FREE_RESPONSE: /* two samples a node */
+        *to = 2.0 * (INFER_NODES - 1) * data->step;
         break;
     default:
         *to = data->duration;
     }
 }
 
-palp_status infer_free_term(const explain_data *data, palp_free_kind kind, palp_free_term *term) {
+palp_status infer_free_term(const explain_data *data, palp_free_kind kind, int longer, palp_free_term *term) {
     const bool by_clock = kind == PALP_FREE_RUN || kind == PALP_FREE_EARLY || kind == PALP_FREE_AGEING;
-    *term = (palp_free_term){.kind = kind, .depth_m = data->deepest, .slow_m_s = data->stride / data->step};
+    *term = (palp_free_term){.kind = kind,
+                             .depth_m = data->deepest,
+                             .slow_m_s = data->stride / data->step,
+                             .plate_N = kind == PALP_FREE_GAIN ? data->peak : 0.0};
     find_range(data, kind, &term->from, &term->to);
+    if (kind == PALP_FREE_RESPONSE) {
+        term->to = ldexp(term->to, longer);
+        if (term->to > 0.25 * data->duration)
+            return PALP_ERR_UNSUPPORTED; /* it is over before the run is */
+    }
     if ((by_clock && data->n_runs < 2) || (kind == PALP_FREE_SESSION && is_one_session(data)))
         return PALP_ERR_UNSUPPORTED; /* it need not come again, or another kind is the same */
     return palp_free_term_check(term) ? PALP_ERR_UNSUPPORTED : PALP_OK;
 }
 
-palp_status infer_free_hats(const infer_fit *fit, const explain_data *data, size_t r, double *column) {
+palp_status infer_free_hats(const infer_fit *fit, const explain_data *data, size_t r, const double *left,
+                            double *column) {
     enum { N = INFER_NODES };
     const explain_run *run = &data->run[r];
     const size_t n = run->n;
-    double bend[FREE_BENDS];
-    palp_status status = PALP_OK;
-    free_term_bends(bend);
+    double *force = malloc(n * sizeof *force);
+    palp_status status = force ? PALP_OK : PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < n && force; i++)
+        force[i] = run->force[i] - left[i];
     memset(column, 0, INFER_HATS * n * sizeof *column);
     for (size_t d = 0; d < fit->n_terms && !status; d++) {
-        double *hat = column + d * N * n, *at = hat + (N - 2) * n, *weight = hat + (N - 1) * n;
+        double *hat = column + d * N * n;
         status =
-            free_term_place(&fit->term[d], n, run->time, run->depth, run->height, run->session, at, weight);
-        for (size_t i = 0; i < n && !status; i++)
-            free_term_hats(bend, at[i], weight[i], n, i, hat);
+            free_term_columns(&fit->term[d], n, run->time, run->depth, run->height, run->session, force, hat);
         if (fit->term[d].kind == PALP_FREE_DWELL) /* at whose start the force is continuous */
             memset(hat, 0, n * sizeof *hat);
     }
+    free(force);
     return status;
 }

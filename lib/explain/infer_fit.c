@@ -317,7 +317,7 @@ static palp_status take_columns(const infer_fit *fit, const explain_data *data, 
     }
     take_residual(fit, data, r, force, out);
     if (fit->free)
-        return infer_free_hats(fit, data, r, own + INFER_OWN * n);
+        return infer_free_hats(fit, data, r, out + (fit->m - 1) * n, own + INFER_OWN * n);
     infer_hats(data, r, fit->c.contact[r], own + INFER_OWN * n);
     return PALP_OK;
 }

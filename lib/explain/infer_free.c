@@ -7,14 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FINALISTS = 3 };
+/* A kind is tried once, a response with several times until it has ended. */
+enum { FINALISTS = 3, LENGTHS = 6, TRIALS = PALP_FREE_KINDS - 1 + LENGTHS };
 
 /* Columns of all terms; the other columns stay. */
 static palp_status take_hats(infer_fit *fit, const explain_data *data) {
     palp_status status = PALP_OK;
-    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n)
-        status =
-            infer_free_hats(fit, data, r, fit->raw + at * fit->m + (fit->k + INFER_OWN) * data->run[r].n);
+    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
+        double *raw = fit->raw + at * fit->m;
+        status = infer_free_hats(fit, data, r, raw + (fit->m - 1) * data->run[r].n,
+                                 raw + (fit->k + INFER_OWN) * data->run[r].n);
+    }
     return status;
 }
 
@@ -40,8 +43,8 @@ typedef struct trial {
 typedef struct terms {
     const infer_search *s;
     infer_fit fit;
-    trial trial[PALP_FREE_KINDS];
-    palp_status status[PALP_FREE_KINDS];
+    trial trial[TRIALS];
+    palp_status status[TRIALS];
 } terms;
 
 static bool has_term(const infer_fit *fit, palp_free_kind kind) {
@@ -56,11 +59,12 @@ static void try_kind(void *user, size_t i) {
     terms *t = user;
     const explain_data *data = &t->s->data;
     trial *one = &t->trial[i];
+    const palp_free_kind kind = (palp_free_kind)(i < PALP_FREE_RESPONSE ? i : PALP_FREE_RESPONSE);
     palp_free_term term;
     one->fit.raw = NULL;
     one->evidence = -HUGE_VAL;
     t->status[i] = PALP_OK;
-    if (has_term(&t->fit, (palp_free_kind)i) || infer_free_term(data, (palp_free_kind)i, &term))
+    if (has_term(&t->fit, kind) || infer_free_term(data, kind, (int)i - (int)kind, &term))
         return;
     t->status[i] = infer_fit_copy(&t->fit, data, &one->fit);
     if (t->status[i])
@@ -94,7 +98,7 @@ static palp_status weigh(const infer_fit *fit, const infer_search *s, size_t d, 
     memset(without.sizes.common[d], 0, sizeof without.sizes.common[d]);
     if (!status)
         status = learn(&without, &s->data, ROUNDS, EVALUATIONS);
-    *nats = fit->promised - without.promised - cost - log(PALP_FREE_KINDS);
+    *nats = fit->promised - without.promised - cost - log(TRIALS);
     infer_fit_free(&without);
     return status;
 }
@@ -104,7 +108,7 @@ static void weigh_kind(void *user, size_t i) {
     terms *t = user;
     trial *one = &t->trial[i];
     size_t better = 0;
-    for (size_t k = 0; k < PALP_FREE_KINDS; k++)
+    for (size_t k = 0; k < TRIALS; k++)
         better += t->trial[k].fit.raw && t->trial[k].fit.promised > one->fit.promised;
     if (!one->fit.raw || better >= FINALISTS || !isfinite(one->fit.promised))
         return;
@@ -123,9 +127,20 @@ static void weigh_kind(void *user, size_t i) {
 }
 
 static void free_trials(terms *t) {
-    for (size_t i = 0; i < PALP_FREE_KINDS; i++)
+    for (size_t i = 0; i < TRIALS; i++)
         if (t->trial[i].fit.raw)
             infer_fit_free(&t->trial[i].fit);
+}
+
+/* Of the responses the most probable one stays. */
+static void keep_one_response(terms *t) {
+    trial *best = &t->trial[PALP_FREE_RESPONSE];
+    for (trial *one = best + 1; one < t->trial + TRIALS; one++) {
+        if (one->fit.raw && (!best->fit.raw || one->fit.promised > best->fit.promised))
+            infer_fit_exchange(&one->fit, &best->fit);
+        if (one->fit.raw)
+            infer_fit_free(&one->fit);
+    }
 }
 
 /* Adds the most certain further term to the fit at hand. found: its evidence exceeds the threshold. */
@@ -133,10 +148,11 @@ static palp_status add_term(terms *t, bool *found) {
     enum { EVALUATIONS = 5 };
     const infer_search *s = t->s;
     size_t best = 0;
-    palp_status status = explain_each(s->settings, PALP_FREE_KINDS, try_kind, t, t->status);
+    palp_status status = explain_each(s->settings, TRIALS, try_kind, t, t->status);
+    keep_one_response(t);
     if (!status)
-        status = explain_each(s->settings, PALP_FREE_KINDS, weigh_kind, t, t->status);
-    for (size_t i = 0; i < PALP_FREE_KINDS; i++)
+        status = explain_each(s->settings, TRIALS, weigh_kind, t, t->status);
+    for (size_t i = 0; i < TRIALS; i++)
         best = t->trial[i].evidence > t->trial[best].evidence ? i : best;
     *found = !status && t->trial[best].evidence > infer_threshold(s->settings);
     if (*found) {
@@ -249,7 +265,8 @@ static palp_free_class class_of(const infer_fit *fit, size_t d) {
     static const palp_free_class classes[PALP_FREE_KINDS] = {
         PALP_FREE_DISSIPATIVE, PALP_FREE_DISSIPATIVE, PALP_FREE_DISSIPATIVE, PALP_FREE_CLOCK,
         PALP_FREE_CLOCK,       PALP_FREE_AGE,         PALP_FREE_DISSIPATIVE, PALP_FREE_DISSIPATIVE,
-        PALP_FREE_DISSIPATIVE, PALP_FREE_OF_SESSION,  PALP_FREE_OF_PLACE};
+        PALP_FREE_DISSIPATIVE, PALP_FREE_OF_SESSION,  PALP_FREE_OF_PLACE,    PALP_FREE_OF_PLACE,
+        PALP_FREE_DISSIPATIVE};
     const palp_free_kind kind = fit->term[d].kind;
     double even = 0.0, odd = 0.0;
     for (size_t b = 0; b < fit->n_terms; b++)
@@ -298,7 +315,8 @@ static palp_status take_tables(infer_fit *fit, const explain_data *data, palp_ex
         return status ? status : PALP_ERR_NO_MEMORY;
     for (size_t d = 0; d < fit->n_terms; d++)
         for (size_t a = 0; a < N; a++) {
-            const bool none = fit->term[d].kind == PALP_FREE_DWELL && a == 0;
+            const bool none = (fit->term[d].kind == PALP_FREE_DWELL && a == 0) ||
+                              (fit->term[d].kind == PALP_FREE_RESPONSE && a + 1 == INFER_NODES);
             memset(unit, 0, p.g * sizeof *unit);
             unit[d * N + a] = 1.0;
             dense_forward(p.g, p.factor, 1, unit);
@@ -325,10 +343,11 @@ static palp_status find_rms(const infer_fit *fit, const explain_data *data, doub
         double squares = 0.0;
         for (size_t r = 0; r < data->n_runs && !status; r++) {
             const explain_run *run = &data->run[r];
-            memset(force, 0, run->n * sizeof *force);
+            memcpy(force, run->force, run->n * sizeof *force); /* near that of the model */
             status = palp_free_term_add(&fit->term[d], run->n, run->time, run->depth, run->height,
                                         run->session, force);
-            squares += dense_dot(run->n, force, force);
+            for (size_t i = 0; i < run->n; i++)
+                squares += pow(force[i] - run->force[i], 2.0);
         }
         rms[d] = sqrt(squares / (double)data->n);
     }

@@ -348,10 +348,12 @@ enum {
     INFER_LAST = 5
 }; /* evaluations of the last improvement; sizes and noise are estimated after the others */
 
-/* The term of this kind for these runs. ERR_UNSUPPORTED: the runs do not have its variable. */
-palp_status infer_free_term(const explain_data *data, palp_free_kind kind, palp_free_term *term);
-/* Hat functions of a free fit, [INFER_HATS n]. (infer_columns.c) */
-palp_status infer_free_hats(const infer_fit *fit, const explain_data *data, size_t r, double *column);
+/* The term of this kind for these runs; longer: so many times a response of twice the time. ERR_UNSUPPORTED:
+ * the runs do not have its variable. */
+palp_status infer_free_term(const explain_data *data, palp_free_kind kind, int longer, palp_free_term *term);
+/* Hat functions of a free fit, [INFER_HATS n]. left[n]: the run's residual. (infer_columns.c) */
+palp_status infer_free_hats(const infer_fit *fit, const explain_data *data, size_t r, const double *left,
+                            double *column);
 
 /* Hat functions of run r, whose surface is at this depth, [INFER_HATS n]. (infer_columns.c) */
 void infer_hats(const explain_data *data, size_t r, double contact, double *column);

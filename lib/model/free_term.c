@@ -6,10 +6,19 @@
 
 enum { N = PALP_FREE_NODES };
 
-static const char *const kinds[PALP_FREE_KINDS] = {
-    "depth_loading",  "depth_unloading",     "time_in_dwell", "time_in_run",
-    "early_in_run",   "time_in_run_pressed", "speed",         "speed_pressed",
-    "way_since_turn", "time_in_session",     "place"};
+static const char *const kinds[PALP_FREE_KINDS] = {"depth_loading",
+                                                   "depth_unloading",
+                                                   "time_in_dwell",
+                                                   "time_in_run",
+                                                   "early_in_run",
+                                                   "time_in_run_pressed",
+                                                   "speed",
+                                                   "speed_pressed",
+                                                   "way_since_turn",
+                                                   "time_in_session",
+                                                   "place",
+                                                   "place_times_force",
+                                                   "time_since_change_of_speed"};
 
 const char *palp_free_kind_name(palp_free_kind kind) {
     return (unsigned)kind < PALP_FREE_KINDS ? kinds[kind] : "unknown";
@@ -26,6 +35,7 @@ palp_status palp_free_term_check(const palp_free_term *t) {
         return PALP_ERR_ARGUMENT;
     bool good = isfinite(t->from) && isfinite(t->to) && t->from < t->to && t->depth_m > 0.0 &&
                 isfinite(t->depth_m) && t->slow_m_s > 0.0 && isfinite(t->slow_m_s);
+    good = good && isfinite(t->plate_N) && (t->kind != PALP_FREE_GAIN || t->plate_N > 0.0);
     for (int a = 0; a < N; a++)
         good = good && isfinite(t->force_N[a]) && t->sd_N[a] >= 0.0 && isfinite(t->sd_N[a]);
     return good ? PALP_OK : PALP_ERR_ARGUMENT;

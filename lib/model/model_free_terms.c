@@ -6,7 +6,7 @@
 #include <string.h>
 
 double palp_model_free_unit(palp_free_kind kind) {
-    return kind == PALP_FREE_TURN || kind == PALP_FREE_PLACE ? 1e-3 : 1.0;
+    return kind == PALP_FREE_TURN || kind == PALP_FREE_PLACE || kind == PALP_FREE_GAIN ? 1e-3 : 1.0;
 }
 
 /* The index of a name among n. */
@@ -61,8 +61,8 @@ static palp_status read_table(const palp_json *at, const char *key, double *valu
 }
 
 static palp_status read_one(const palp_json *at, palp_free_term *term) {
-    static const char *const keys[] = {"depends_on", "class",     "from",    "to",
-                                       "depth_mm",   "slow_mm_s", "force_N", "sd_N"};
+    static const char *const keys[] = {"depends_on", "class",   "from",    "to",  "depth_mm",
+                                       "slow_mm_s",  "plate_N", "force_N", "sd_N"};
     size_t kind = 0, does = 0;
     memset(term, 0, sizeof *term);
     palp_status status = palp_json_keys(at, sizeof keys / sizeof *keys, keys);
@@ -82,13 +82,15 @@ static palp_status read_one(const palp_json *at, palp_free_term *term) {
         status = read_length(at, "depth_mm", &term->depth_m);
     if (!status)
         status = read_length(at, "slow_mm_s", &term->slow_m_s);
+    if (!status && term->kind == PALP_FREE_GAIN)
+        status = read_number(at, "plate_N", 1.0, &term->plate_N);
     if (!status)
         status = read_table(at, "force_N", term->force_N);
     if (!status)
         status = read_table(at, "sd_N", term->sd_N);
     if (!status && palp_free_term_check(term))
         status = palp_json_fail(at, PALP_ERR_INPUT,
-                                "must have from below to, and depth_mm, slow_mm_s and sd_N above 0");
+                                "must have from below to, and depth_mm, slow_mm_s, plate_N and sd_N above 0");
     return status;
 }
 

@@ -9,6 +9,8 @@
 
 enum { N = PALP_FREE_NODES };
 
+static const double SMALLEST = 1e-9; /* change of speed that counts, of the unit: rounding is below */
+
 /* The variable of a kind, and whether its force is in proportion to the depth. */
 typedef struct kind_row {
     bool logarithm, pressed, both_signs;
@@ -22,6 +24,7 @@ static const kind_row kinds[PALP_FREE_KINDS] = {
     [PALP_FREE_PRESSED_SPEED] = {.pressed = true, .both_signs = true},
     [PALP_FREE_TURN] = {.pressed = true},
     [PALP_FREE_PLACE] = {.both_signs = true},
+    [PALP_FREE_GAIN] = {.both_signs = true},
 };
 
 void free_term_bends(double bend[FREE_BENDS]) {
@@ -112,11 +115,15 @@ static void place_on_way(const palp_free_term *t, size_t n, const double *depth,
     }
 }
 
-palp_status free_term_place(const palp_free_term *t, size_t n, const double *time, const double *depth,
-                            double height, double session, double *at, double *weight) {
+/* at[n]: share of the grid from 0 to 1; weight[n]: by which the table is multiplied, 0 where it does not act.
+ */
+static palp_status place(const palp_free_term *t, size_t n, const double *time, const double *depth,
+                         double height, double session, const double *force, double *at, double *weight) {
     palp_status status = PALP_OK;
     for (size_t i = 0; i < n; i++)
-        weight[i] = kinds[t->kind].pressed ? fmax(0.0, depth[i]) / t->depth_m : 1.0;
+        weight[i] = t->kind == PALP_FREE_GAIN ? force[i] / t->plate_N
+                    : kinds[t->kind].pressed  ? fmax(0.0, depth[i]) / t->depth_m
+                                              : 1.0;
     switch (t->kind) {
     case PALP_FREE_LOADING:
     case PALP_FREE_UNLOADING:
@@ -129,11 +136,11 @@ palp_status free_term_place(const palp_free_term *t, size_t n, const double *tim
     default:
         for (size_t i = 0; i < n; i++) {
             const double since = time[i] - time[0];
-            at[i] = t->kind == PALP_FREE_EARLY     ? logarithm(t, since)
-                    : t->kind == PALP_FREE_SESSION ? session + since
-                    : t->kind == PALP_FREE_PLACE   ? depth[i]
-                    : kinds[t->kind].both_signs    ? asinh(speed_at(n, time, depth, i) / t->slow_m_s)
-                                                   : since;
+            at[i] = t->kind == PALP_FREE_EARLY                                ? logarithm(t, since)
+                    : t->kind == PALP_FREE_SESSION                            ? session + since
+                    : t->kind == PALP_FREE_PLACE || t->kind == PALP_FREE_GAIN ? depth[i]
+                    : kinds[t->kind].both_signs ? asinh(speed_at(n, time, depth, i) / t->slow_m_s)
+                                                : since;
         }
     }
     for (size_t i = 0; i < n; i++)
@@ -141,20 +148,54 @@ palp_status free_term_place(const palp_free_term *t, size_t n, const double *tim
     return status;
 }
 
+/* A linear system's answer to the path: each change of speed from one pair of samples to the next starts the
+ * table once more. The table is 0 at its last place, so that nothing ends with a jump. */
+static void respond(const palp_free_term *t, size_t n, const double *time, const double *depth,
+                    const double bend[FREE_BENDS], double *column) {
+    const double unit = t->to / t->depth_m;
+    double hat[N];
+    for (size_t s = 1; s + 1 < n; s++) {
+        const double change = unit * ((depth[s + 1] - depth[s]) / (time[s + 1] - time[s]) -
+                                      (depth[s] - depth[s - 1]) / (time[s] - time[s - 1]));
+        for (size_t i = s; i < n && time[i] - time[s] < t->to && fabs(change) > SMALLEST; i++) {
+            free_term_hats(bend, fmax(0.0, time[i] - time[s] - t->from) / (t->to - t->from), change, 1, 0,
+                           hat);
+            for (size_t a = 0; a + 1 < N; a++)
+                column[a * n + i] += hat[a];
+        }
+    }
+}
+
+palp_status free_term_columns(const palp_free_term *t, size_t n, const double *time, const double *depth,
+                              double height, double session, const double *force, double *column) {
+    double bend[FREE_BENDS];
+    free_term_bends(bend);
+    memset(column, 0, N * n * sizeof *column);
+    if (t->kind == PALP_FREE_RESPONSE) {
+        respond(t, n, time, depth, bend, column);
+        return PALP_OK;
+    }
+    double *at = malloc(2 * (n + 1) * sizeof *at);
+    if (!at)
+        return PALP_ERR_NO_MEMORY;
+    palp_status status = place(t, n, time, depth, height, session, force, at, at + n);
+    for (size_t i = 0; i < n && !status; i++)
+        free_term_hats(bend, at[i], at[n + i], n, i, column);
+    free(at);
+    return status;
+}
+
 palp_status palp_free_term_add(const palp_free_term *t, size_t n, const double *time_s, const double *depth_m,
                                double height_m, double session_s, double *force_N) {
     if (palp_free_term_check(t) || !time_s || !depth_m || !force_N || !(height_m > 0.0))
         return PALP_ERR_ARGUMENT;
-    double bend[FREE_BENDS], hat[N], *at = n ? malloc(2 * n * sizeof *at) : NULL;
-    if (!at)
+    double *column = n ? malloc(N * n * sizeof *column) : NULL;
+    if (!column)
         return n ? PALP_ERR_NO_MEMORY : PALP_OK;
-    palp_status status = free_term_place(t, n, time_s, depth_m, height_m, session_s, at, at + n);
-    free_term_bends(bend);
-    for (size_t i = 0; i < n && !status; i++) {
-        free_term_hats(bend, at[i], at[n + i], 1, 0, hat);
-        for (int a = 0; a < N; a++)
-            force_N[i] += hat[a] * t->force_N[a];
-    }
-    free(at);
+    palp_status status = free_term_columns(t, n, time_s, depth_m, height_m, session_s, force_N, column);
+    for (size_t a = 0; a < N && !status; a++)
+        for (size_t i = 0; i < n; i++)
+            force_N[i] += t->force_N[a] * column[a * n + i];
+    free(column);
     return status;
 }

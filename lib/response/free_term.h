@@ -14,9 +14,8 @@ void free_term_bends(double bend[FREE_BENDS]);
 void free_term_hats(const double bend[FREE_BENDS], double at, double size, size_t n, size_t i,
                     double *column);
 
-/* at[n]: share of the grid from 0 to 1; weight[n]: by which the table is multiplied, 0 where it does not act.
- */
-palp_status free_term_place(const palp_free_term *term, size_t n, const double *time, const double *depth,
-                            double height, double session, double *at, double *weight);
+/* The forces of a term are these columns[NODES n] times its table. force[n]: of the plate. */
+palp_status free_term_columns(const palp_free_term *term, size_t n, const double *time, const double *depth,
+                              double height, double session, const double *force, double *column);
 
 #endif

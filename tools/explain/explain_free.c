@@ -21,6 +21,8 @@ static const struct {
     {"the way since the plate turned, in proportion to the depth", "mm", 1e-3},
     {"the time in the session", "s", 1},
     {"the place of the plate", "mm", 1e-3},
+    {"the place of the plate, in proportion to its force", "mm", 1e-3},
+    {"the time since the speed changed, in proportion to the change", "s", 1},
 };
 
 static const palp_free_term *term_of(const palp_explanation *e, size_t i) {

@@ -62,6 +62,38 @@ START_TEST(a_line_is_followed_by_each_kind) {
 }
 END_TEST
 
+START_TEST(a_gain_multiplies_the_force_of_the_plate) {
+    double time[SAMPLES], depth[SAMPLES], force[SAMPLES];
+    path(time, depth);
+    palp_free_term t = term_of(PALP_FREE_GAIN, 0, 0.01);
+    ck_assert_int_eq(palp_free_term_check(&t), PALP_ERR_ARGUMENT);
+    t.plate_N = 5;
+    for (size_t i = 0; i < SAMPLES; i++)
+        force[i] = 2 - 1e3 * depth[i];
+    ck_assert_int_eq(palp_free_term_add(&t, SAMPLES, time, depth, 0.01, 100, force), PALP_OK);
+    ck_assert_double_eq_tol(force[10], 1 + 0.3 * 1e-3 * 1 / 5, 1e-12);
+    ck_assert_double_eq_tol(force[60], -2 + 0.3 * 4e-3 * -2 / 5, 1e-12);
+}
+END_TEST
+
+/* Two changes of the speed, by -2 mm/s at 2 s and by -3 mm/s at 4 s: each starts the table, which ends at 0.
+ */
+START_TEST(a_response_begins_with_each_change_of_the_speed) {
+    double time[SAMPLES], depth[SAMPLES], force[SAMPLES] = {0};
+    path(time, depth);
+    palp_free_term t = term_of(PALP_FREE_RESPONSE, 0, 2.5);
+    for (int a = 0; a < N; a++)
+        t.force_N[a] = 0.3 * (2.5 - 2.5 * a / (N - 1.0));
+    const double unit = 4e-3 / 2.5;
+    ck_assert_int_eq(palp_free_term_add(&t, SAMPLES, time, depth, 0.01, 100, force), PALP_OK);
+    ck_assert_double_eq_tol(force[39], 0, 1e-9);
+    ck_assert_double_eq_tol(force[40], -2e-3 / unit * 0.3 * 2.5, 1e-9);
+    ck_assert_double_eq_tol(force[60], -2e-3 / unit * 0.3 * 1.5, 1e-9);
+    ck_assert_double_eq_tol(force[84], -2e-3 / unit * 0.3 * 0.3 - 3e-3 / unit * 0.3 * 2.3, 1e-9);
+    ck_assert_double_eq_tol(force[100], -3e-3 / unit * 0.3 * 1.5, 1e-9); /* the first is over */
+}
+END_TEST
+
 START_TEST(a_wrong_term_is_refused) {
     palp_free_term t = term_of(PALP_FREE_RUN, 1, 1);
     double time[2] = {0, 1}, depth[2] = {0, 0}, force[2] = {0, 0};
@@ -84,6 +116,7 @@ START_TEST(a_model_keeps_its_terms) {
     for (size_t i = 0; i < m.n_free; i++) {
         m.free_term[i] = term_of((palp_free_kind)(PALP_FREE_KINDS - 1 - i), -0.1, 0.37);
         m.free_term[i].does = (palp_free_class)i;
+        m.free_term[i].plate_N = m.free_term[i].kind == PALP_FREE_GAIN ? 3.7 : 0;
     }
     const char *file = scratch_write("free.json", "", 0);
     ck_assert_int_eq(palp_model_write(&m, file, &error), PALP_OK);
@@ -94,6 +127,7 @@ START_TEST(a_model_keeps_its_terms) {
         ck_assert_int_eq(back.free_term[i].does, m.free_term[i].does);
         ck_assert_double_eq_tol(back.free_term[i].from, m.free_term[i].from, 1e-15);
         ck_assert_double_eq(back.free_term[i].depth_m, m.free_term[i].depth_m);
+        ck_assert_double_eq(back.free_term[i].plate_N, m.free_term[i].plate_N);
         ck_assert_mem_eq(back.free_term[i].force_N, m.free_term[i].force_N, sizeof m.free_term[i].force_N);
     }
     m.free_term[0].sd_N[0] = -1;
@@ -129,7 +163,7 @@ static void begin(explain_data *data, infer_fit *fit, palp_model *m) {
     memset(fit->sizes.each, 0, sizeof fit->sizes.each);
     fit->free = true;
     fit->n_terms = 1;
-    ck_assert_int_eq(infer_free_term(data, PALP_FREE_RUN, &fit->term[0]), PALP_OK);
+    ck_assert_int_eq(infer_free_term(data, PALP_FREE_RUN, 0, &fit->term[0]), PALP_OK);
     fit->sizes.common[0][0] = 0.2;
     fit->sizes.common[0][1] = 0.05;
     ck_assert_int_eq(infer_fit_evaluate(fit, data), PALP_OK);
@@ -295,6 +329,8 @@ END_TEST
 void tests(TCase *tc) {
     tcase_add_checked_fixture(tc, scratch_setup, scratch_teardown);
     tcase_add_test(tc, a_line_is_followed_by_each_kind);
+    tcase_add_test(tc, a_gain_multiplies_the_force_of_the_plate);
+    tcase_add_test(tc, a_response_begins_with_each_change_of_the_speed);
     tcase_add_test(tc, a_wrong_term_is_refused);
     tcase_add_test(tc, a_model_keeps_its_terms);
     tcase_add_test(tc, a_formula_is_found_again);
