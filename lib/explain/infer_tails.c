@@ -9,12 +9,21 @@
 /* Degrees of freedom: from Cauchy's distribution to one that no session distinguishes from the normal one. */
 static const double LEAST = 1.0, MOST = 1000.0;
 
-/* Log density of samples with these squares in units of their variance. */
+/* Log density of samples with these squares in units of their variance. The logarithm is that of products, as
+ * long as these do not overflow. */
 static double log_density(double freedom, size_t n, const double *square) {
-    double sum = (double)n * (lgamma(0.5 * freedom + 0.5) - lgamma(0.5 * freedom) - 0.5 * log(freedom));
-    for (size_t i = 0; i < n; i++)
-        sum -= (0.5 * freedom + 0.5) * log1p(square[i] / freedom);
-    return sum;
+    const double most = 1e150, each = 1.0 / freedom;
+    double sum = 0.0, product = 1.0;
+    for (size_t i = 0; i < n; i++) {
+        product *= 1.0 + fmin(most, square[i] * each);
+        if (product > most) {
+            sum += log(product);
+            product = 1.0;
+        }
+    }
+    sum += log(product);
+    return (double)n * (lgamma(0.5 * freedom + 0.5) - lgamma(0.5 * freedom) - 0.5 * log(freedom)) -
+           (0.5 * freedom + 0.5) * sum;
 }
 
 /* The most likely one, by golden sections of its logarithm. */
