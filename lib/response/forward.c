@@ -269,11 +269,33 @@ palp_status forward_run(const forward_plan *plan, const forward_specimen *specim
     return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
 }
 
-palp_status forward_add_free(const palp_model *model, const palp_forward_run *run, double *force_N) {
+/* A force of 1 N, to which the gain is added, becomes the factor on all derivatives. */
+static palp_status scale_gradient(const palp_free_term *gain, const palp_model *model,
+                                  const palp_forward_run *run, size_t columns, double *gradient) {
+    double *factor = malloc((run->n + 1) * sizeof *factor);
+    if (!factor)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < run->n; i++)
+        factor[i] = 1.0;
+    palp_status status =
+        palp_free_term_add(gain, run->n, run->time_s, run->depth_m, model->height_m, run->session_s, factor);
+    for (size_t k = 0; k < columns && !status; k++)
+        for (size_t i = 0; i < run->n; i++)
+            gradient[k * run->n + i] *= factor[i];
+    free(factor);
+    return status;
+}
+
+palp_status forward_add_free(const palp_model *model, const palp_forward_run *run, size_t columns,
+                             double *force_N, double *gradient) {
     palp_status status = PALP_OK;
-    for (size_t i = 0; i < model->n_free && !status; i++)
-        status = palp_free_term_add(&model->free_term[i], run->n, run->time_s, run->depth_m, model->height_m,
-                                    run->session_s, force_N);
+    for (size_t i = 0; i < model->n_free && !status; i++) {
+        const palp_free_term *t = &model->free_term[i];
+        status = palp_free_term_add(t, run->n, run->time_s, run->depth_m, model->height_m, run->session_s,
+                                    force_N);
+        if (!status && gradient && t->kind == PALP_FREE_GAIN)
+            status = scale_gradient(t, model, run, columns, gradient);
+    }
     return status;
 }
 
@@ -302,5 +324,5 @@ palp_status palp_forward_force(const palp_model *model, const palp_forward_run *
     if (run->history && !status)
         forward_lumped_leave_history(lumped, run->history);
     forward_lumped_free(lumped);
-    return status ? status : forward_add_free(model, run, force_N);
+    return status ? status : forward_add_free(model, run, plan.n_columns, force_N, gradient);
 }

@@ -253,8 +253,10 @@ palp_status forward_run_adaptive(const forward_plan *plan, forward_network *netw
                                  const palp_forward_run *run, double *force_N, double *gradient,
                                  palp_error *error);
 
-/* Adds the model's free terms to the force along a run. */
-palp_status forward_add_free(const palp_model *model, const palp_forward_run *run, double *force_N);
+/* Adds the model's free terms to the force along a run; gradient[columns n] (NULL: not wanted) follows a gain
+ * among them. */
+palp_status forward_add_free(const palp_model *model, const palp_forward_run *run, size_t columns,
+                             double *force_N, double *gradient);
 
 /* The whole chain of one recording; gradient is NULL or receives the specimen's columns (forward.c). */
 palp_status forward_run(const forward_plan *plan, const forward_specimen *specimen,

@@ -31,7 +31,7 @@ palp_status palp_forward_network(const palp_model *model, const palp_network_set
     if (!status)
         status = forward_network_leave_history(network, run->history);
     forward_network_free(network);
-    return status ? status : forward_add_free(model, run, force_N);
+    return status ? status : forward_add_free(model, run, 0, force_N, NULL);
 }
 
 palp_status forward_network_force(const palp_model *model, const palp_forward_run *run, double *force_N,
@@ -65,6 +65,6 @@ palp_status forward_network_force(const palp_model *model, const palp_forward_ru
         status = forward_network_leave_history(network, run->history);
     forward_network_free(network);
     if (!status)
-        status = forward_add_free(model, run, force_N);
+        status = forward_add_free(model, run, plan.n_columns, force_N, gradient);
     return status == PALP_ERR_NO_MEMORY ? palp_error_set(error, status, "out of memory") : status;
 }
