@@ -9,8 +9,6 @@
 
 enum { N = PALP_FREE_NODES };
 
-static const double SMALLEST = 1e-9; /* change of speed that counts, of the unit: rounding is below */
-
 /* The variable of a kind, and whether its force is in proportion to the depth. */
 typedef struct kind_row {
     bool logarithm, pressed, both_signs;
@@ -149,19 +147,30 @@ static palp_status place(const palp_free_term *t, size_t n, const double *time, 
 }
 
 /* A linear system's answer to the path: each change of speed from one pair of samples to the next starts the
- * table once more. The table is 0 at its last place, so that nothing ends with a jump. */
+ * table once more. The table is 0 at its last place, so that nothing ends with a jump. change[n]: work. */
 static void respond(const palp_free_term *t, size_t n, const double *time, const double *depth,
-                    const double bend[FREE_BENDS], double *column) {
-    const double unit = t->to / t->depth_m;
-    double hat[N];
-    for (size_t s = 1; s + 1 < n; s++) {
-        const double change = unit * ((depth[s + 1] - depth[s]) / (time[s + 1] - time[s]) -
-                                      (depth[s] - depth[s - 1]) / (time[s] - time[s - 1]));
-        for (size_t i = s; i < n && time[i] - time[s] < t->to && fabs(change) > SMALLEST; i++) {
-            free_term_hats(bend, fmax(0.0, time[i] - time[s] - t->from) / (t->to - t->from), change, 1, 0,
-                           hat);
-            for (size_t a = 0; a + 1 < N; a++)
-                column[a * n + i] += hat[a];
+                    const double bend[FREE_BENDS], double *change, double *column) {
+    const double unit = t->to / t->depth_m, step = (t->to - t->from) / (N - 1);
+    for (size_t s = 0; s < n; s++)
+        change[s] = s == 0 || s + 1 == n ? 0.0
+                                         : unit * ((depth[s + 1] - depth[s]) / (time[s + 1] - time[s]) -
+                                                   (depth[s] - depth[s - 1]) / (time[s] - time[s - 1]));
+    for (size_t i = 0; i < n; i++) {
+        double value[N] = {0.0},
+               bent[N] = {0.0}; /* what multiplies the nodes' values and second derivatives */
+        for (size_t s = i + 1; s-- > 0 && time[i] - time[s] < t->to;) {
+            const double place = fmax(0.0, time[i] - time[s] - t->from) / step;
+            const size_t left = (size_t)fmin(place, N - 2);
+            const double u = place - (double)left, v = 1.0 - u;
+            value[left] += change[s] * v;
+            value[left + 1] += change[s] * u;
+            bent[left] += change[s] * (v * v * v - v) / 6.0;
+            bent[left + 1] += change[s] * (u * u * u - u) / 6.0;
+        }
+        for (size_t a = 0; a + 1 < N; a++) {
+            column[a * n + i] = value[a];
+            for (size_t b = 0; b < N; b++)
+                column[a * n + i] += bent[b] * bend[b * N + a];
         }
     }
 }
@@ -171,16 +180,17 @@ palp_status free_term_columns(const palp_free_term *t, size_t n, const double *t
     double bend[FREE_BENDS];
     free_term_bends(bend);
     memset(column, 0, N * n * sizeof *column);
-    if (t->kind == PALP_FREE_RESPONSE) {
-        respond(t, n, time, depth, bend, column);
-        return PALP_OK;
-    }
     double *at = malloc(2 * (n + 1) * sizeof *at);
     if (!at)
         return PALP_ERR_NO_MEMORY;
-    palp_status status = place(t, n, time, depth, height, session, force, at, at + n);
-    for (size_t i = 0; i < n && !status; i++)
-        free_term_hats(bend, at[i], at[n + i], n, i, column);
+    palp_status status = PALP_OK;
+    if (t->kind == PALP_FREE_RESPONSE)
+        respond(t, n, time, depth, bend, at, column);
+    else {
+        status = place(t, n, time, depth, height, session, force, at, at + n);
+        for (size_t i = 0; i < n && !status; i++)
+            free_term_hats(bend, at[i], at[n + i], n, i, column);
+    }
     free(at);
     return status;
 }

@@ -77,6 +77,8 @@ grep -q '"nats"' explain_power.json || fail "no odds of the next experiment"
 # Without arms and effects the dwells become a free term.
 sed 's/"arms": \[[^]]*\]/"arms": []/' guess.json >armless.json
 expect 0 explain --model armless.json power_?.csv --max-effects 0 --sparse --out free.json --json && mv out explain_free.json
+sed 's/"depends_on": "[a-z_]*"/"depends_on": "place_times_force"/; s/"force_N": \[/"plate_N": 2, &/' free.json >free_gain.json
+expect 0 simulate free_gain.json --protocol static --depth-mm 5 --rate-mm-s 1
 expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --degree 2 --steps 2000 --out static.json --json && mv out cal_static.json
 expect 0 calibrate $L --nodes 3 --stage static --depth-mm 6 --law spline --knots 4 --steps 2000 --out spline.json --json && mv out cal_spline.json
 expect 0 calibrate $L --nodes 3 --stage all --depth-mm 4 --degree 2 --steps 500 --hold-s 20 --out all.json --json --result fit_calibrate.json && mv out cal_all.json
@@ -101,7 +103,7 @@ set -- experiment=run_1.csv experiment=run_static.csv experiment=creep.csv exper
     model=biased.json model=power.json model=guess.json model=beta.json calibrate=cal_phases.json calibrate=cal_thesis.json calibrate=cal_beta.json characterize=characterize.json characterize=characterize_one.json characterize=characterize_sine.json characterize=fit_characterize.json \
     figure=figure_explain.json figure=figure_fit_characterize.json explain=explain.json explain=explain_out.json explain=explain_power.json calibrate=cal_static.json \
     calibrate=cal_spline.json calibrate=cal_all.json calibrate=cal_tips.json calibrate=fit_calibrate.json reduced=reduced.json reduce=reduce.json
-set -- "$@" explain=explain_free.json model=free.json protocol=next.json calibrate=cal_start.json reduced=ball.json experiment=ball.csv
+set -- "$@" explain=explain_free.json model=free.json model=free_gain.json protocol=next.json calibrate=cal_start.json reduced=ball.json experiment=ball.csv
 
 # ---- files with every key, which the commands read ----
 for model in mesh lattice; do
