@@ -50,7 +50,7 @@ def type_of(schema, file):
     if forms:
         return " or ".join(dict.fromkeys(type_of(*f) for f in forms))
     if "enum" in schema:
-        return "an effect" if len(schema["enum"]) > 12 else ", ".join("`%s`" % v for v in schema["enum"])
+        return "an effect" if "relaxation_arm" in schema["enum"] else ", ".join("`%s`" % v for v in schema["enum"])
     if "const" in schema:
         return "`%s`" % schema["const"]
     types = schema.get("type", "any")

@@ -110,10 +110,10 @@ tester() {
         n=$((n + 1))
         expect 0 simulate true.json --protocol $press --sample-Hz 50 --air-s 1 --noise-N 0.004 --seed $n --out plain.csv
         awk -F, -v ring=$2 -v bends=$3 '
-            /^[-0-9]/ { speed = last == "" ? 0 : ($2 - depth) / ($1 - time)
-                if (last != "" && (speed - was) ^ 2 > 1e-6) { at[++n] = time; by[n] = speed - was }
-                was = speed; time = $1; depth = $2; more = last = 0
-                for (i = last == 0 && n > 8 ? n - 8 : 1; i <= n; i++) { s = $1 - at[i]; more += by[i] * exp(-s / 0.25) * sin(16 * s) }
+            /^[-0-9]/ { speed = samples ? ($2 - depth) / ($1 - time) : 0
+                if (samples++ && (speed - was) ^ 2 > 1e-6) { at[++n] = time; by[n] = speed - was }
+                was = speed; time = $1; depth = $2; more = 0
+                for (i = 1; i <= n; i++) { s = $1 - at[i]; more += by[i] * exp(-s / 0.25) * sin(16 * s) }
                 printf "%s,%s,%.9g\n", $1, $2, $3 * (1 + bends * sin(1.5 * $2)) + ring * more; next } { print }' plain.csv >$1$n.csv
         rm plain.csv
     done

@@ -77,6 +77,7 @@ static const struct {
      "colour is not a known key, which are palpate, kind, specimen, stiffness, arms, dashpot_Ns, "
      "quasi_linear, formulation, effects, fractional, covariance, specimens, free_term"},
     {"version_5", 2, PALP_ERR_INPUT, "palpate.model is not 1 to 4, the versions that this build reads"},
+    {"plate_N", 8, PALP_ERR_INPUT, "free_term[0] lacks \"plate_N\""},
     {"viscosity", 10, PALP_ERR_INPUT, "arms[1].viscosity_Ns must be greater than 0, not -30"},
 };
 
