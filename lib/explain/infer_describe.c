@@ -70,12 +70,33 @@ static palp_status find_alike(const infer_search *s, infer_search *rest, palp_ex
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
+/* Effects that may resemble this one. The first step (NULL: there was none) tried them all beside no other
+ * effect. If the only effect was worth its threshold there, one that was less probable than none is further
+ * below it than the threshold. */
+static void find_likely(const infer_search *s, const palp_explain_step *first, palp_effect_id id,
+                        bool likely[INFER_TRIALS]) {
+    bool known = false;
+    for (size_t k = 0; first && k < first->n_candidates; k++)
+        known = known ||
+                (first->candidate[k].id == id && first->candidate[k].score > infer_threshold(s->settings));
+    known = known && infer_added(s) == 1 && first->taken != PALP_EFFECT_COUNT;
+    for (int k = 0; k < INFER_TRIALS; k++)
+        likely[k] = k != INFER_DRIVE && !known;
+    for (size_t k = 0; known && k < first->n_candidates; k++)
+        likely[first->candidate[k].id] = first->candidate[k].score > 0.0;
+    likely[id] = false;
+}
+
 /* exchanged: a look-alike may take the effect's place; it has, and nothing else of *out is known. */
-static palp_status find_class(infer_search *s, size_t i, palp_explain_effect *out, palp_explain_next *next,
-                              bool *exchanged) {
+static palp_status find_class(infer_search *s, size_t i, const palp_explain_step *first,
+                              palp_explain_effect *out, palp_explain_next *next, bool *exchanged) {
     infer_search rest;
+    bool likely[INFER_TRIALS];
     int better = PALP_EFFECT_COUNT;
     palp_status status = infer_search_without(s, i, &rest);
+    find_likely(s, first, out->effect.id, likely);
+    rest.only = likely;
+    rest.best_gain = status ? 0.0 : infer_worth_over(s, &rest);
     out->evidence = status ? 0.0 : s->fit.score - rest.fit.score;
     if (!status)
         status = infer_try_all(&rest);
@@ -195,7 +216,7 @@ palp_status infer_describe(infer_search *s, palp_explanation *e, bool *exchanged
         }
         *exchanged = may;
         if (!status)
-            status = find_class(s, i, out, &e->next, exchanged);
+            status = find_class(s, i, e->n_steps > 0 ? e->step : NULL, out, &e->next, exchanged);
     }
     return status;
 }
