@@ -1,11 +1,11 @@
 #!/bin/sh
 # run.sh: builds and runs tests, one line each, the sum last. Called by make with BUILD and MAKE set.
 #   tests/run.sh check|rest|asan
-# check: the gcc build and each of its tests once, in minutes. rest: what check-all adds to a check just done: clang, the
-# sanitizers, valgrind, a fuzzer, the long tests. asan: the sanitizers alone.
+# check: the gcc build and each of its tests once, in minutes. rest: what check-all adds to a check just done: the
+# sanitizers, by clang where it is installed, valgrind, a fuzzer, the long tests. asan: the sanitizers alone.
 # A comment in a test's first ten lines says where it runs:
-#   nothing            in check; under clang and, for programs, under the sanitizers in rest
-#   "check: once"      a slow one: in check only, neither under clang nor the sanitizers
+#   nothing            in check; programs under the sanitizers in rest too
+#   "check: once"      a slow one: in check only
 #   "check: all"       a long one, of statistics mostly: in rest, as gcc optimizes it
 #   "check: valgrind"  (programs) under valgrind too
 #   "check: asan"      (tests/cli) with the sanitized command too
@@ -75,7 +75,7 @@ tagged() { head -n 10 "$1" | grep -q "check: $2"; }
 sources() { ls tests/lib/test_*.c tests/lib/*/test_*.c tests/tools/test_*.c tests/firmware/test_*.c 2>/dev/null; }
 programs() { # label folder: the test programs
     for t in $(sources); do
-        if tagged "$t" all || { [ "$1" != gcc ] && tagged "$t" once; }; then continue; fi
+        if tagged "$t" all || { [ "$1" = asan ] && tagged "$t" once; }; then continue; fi
         add "$1 ${t%.c}" "$2/${t%.c}"
     done
 }
@@ -96,7 +96,12 @@ long() { # the long ones, first, since they take longest
 }
 missing() { run "$1" sh -c "echo there is no $2; exit 77"; echo "$1" >>"$logs/planned"; }
 sanitized() {
-    build asan BUILD="$BUILD/asan" SANITIZE=1 tests
+    if command -v clang >/dev/null; then # the second compiler of everything
+        build asan BUILD="$BUILD/asan" SANITIZE=1 CC=clang tests programs
+    else
+        build asan BUILD="$BUILD/asan" SANITIZE=1 tests
+        missing "build clang" clang
+    fi
     programs asan "$BUILD/asan"
     scripts asan "$BUILD/asan"
     add "asan seeds of the fuzzed readers" "sh tests/fuzz/run.sh seeds"
@@ -139,12 +144,8 @@ rest)
         missing "build petsc" "PETSc; tools/install-deps petsc"
     fi
     if command -v clang >/dev/null; then
-        build clang BUILD="$BUILD/clang" CC=clang WERROR=1 all programs
-        programs clang "$BUILD/clang"
         add "installed library, with clang" "sh tests/install/run.sh"
         add "public headers, with clang" "sh tests/install/headers.sh"
-    else
-        missing "build clang" clang
     fi
     memcheck="valgrind -q --error-exitcode=99 --leak-check=full"
     command -v valgrind >/dev/null || memcheck="echo there is no valgrind; exit 77;"

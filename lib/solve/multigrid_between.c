@@ -111,13 +111,13 @@ static inline void subtract_own_block_product(const float *s, const float *x, fl
 
 void multigrid_between_subtract(multigrid *mg, const float *x, float *rest) {
     const size_t n = mg->n_nodes, stride = multigrid_stride(mg);
-    float *in = mg->straight, *out = in + 3 * stride;
     for (size_t i = 0; i < n; i++)
         subtract_own_block_product(mg->beside[mg->used] + 6 * i, x + 4 * i, rest + 4 * i);
     if (mg->n_batches == 0) {
         subtract_element_products(mg, x, rest);
         return;
     }
+    float *in = mg->straight, *out = in + 3 * stride;
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++) {
             in[c * stride + i] = x[4 * i + c];

@@ -17,7 +17,7 @@ runs() {
     for press in "4 1" "6 2" "7 0.5" "4 1"; do
         set -- "$1" $press
         n=$((n + 1))
-        expect 0 simulate true.json --protocol ramp_hold --depth-mm $2 --ramp-s $3 --hold-s 20 --sample-Hz 40 \
+        expect 0 simulate true.json --protocol ramp_hold --depth-mm $2 --ramp-s $3 --hold-s 20 --sample-Hz 20 \
             --air-s 3 --noise-N 0.004 --seed $n --out $1$n.csv
     done
 }
@@ -29,13 +29,11 @@ expect 0 explain --model guess.json plain?.csv --result plain.out
 grep -q '"verdict": "agrees"' plain.out || fail "nothing hidden: $(cat out)"
 grep -q '"effects": \[\]' plain.out || fail "an effect where none is"
 
-expect 0 explain --model guess.json plain?.csv --result plain.out
-grep -q '"verdict": "agrees"' plain.out || fail "nothing hidden, by the likelihood: $(cat out)"
 model 2.1 '"effects": [{"id": "sensor_lag", "parameters": {"time_s": 0.1}}],' >true.json
 runs rough
 expect 0 explain --model guess.json rough?.csv --result rough.out --out rough.json
-grep -q '"id": "sensor_lag"' rough.json || fail "a lag, by the likelihood: $(cat out)"
-near "lag by the likelihood" "$(value rough.out time_s)" 0.1 0.01
+grep -q '"id": "sensor_lag"' rough.json || fail "a lag: $(cat out)"
+near "the lag" "$(value rough.out time_s)" 0.1 0.01
 model 2.1 "" >true.json
 
 # What is more than noise and below the practical limit agrees for that reason, and says so.
@@ -60,17 +58,10 @@ grep -q '"gain_scatter"' apart.out || fail "contacts that are known and differ l
 grep -q '"contact_scatter_mm": 0' apart.out || fail "contacts that are known scatter: $(grep scatter apart.out)"
 expect 0 explain --model guess.json off?.csv --contact common --candidates contact_offset,sensor_bias --result off.out
 grep -q '"verdict": "explained"' off.out || fail "--contact common: $(cat out)"
-near "common contact" "$(value off.out offset_mm)" 0.078 0.082
+near "common contact" "$(value off.out offset_mm)" 0.08 0.05
 expect 0 explain --model guess.json off?.csv --contact known --candidates contact_offset,sensor_bias --result off.out
 ! grep -q '"id": "contact_offset"' off.out || fail "a known contact is accused: $(cat out)"
 expect 2 explain --model guess.json off?.csv --contact auto
-expect 0 explain --model guess.json off?.csv --contact common --candidates contact_offset,sensor_bias \
-    --result off.out
-grep -q '"verdict": "explained"' off.out || fail "--contact common, by the likelihood: $(cat out)"
-near "common contact by the likelihood" "$(value off.out offset_mm)" 0.08 0.05
-expect 0 explain --model guess.json off?.csv --contact known --candidates contact_offset,sensor_bias \
-    --result off.out
-! grep -q '"id": "contact_offset"' off.out || fail "a known contact is accused by the likelihood: $(cat out)"
 
 # A file's contact.sd_mm is what its contact is expected to be off by.
 for n in 1 2 3 4; do
@@ -81,10 +72,6 @@ expect 0 explain --model guess.json told?.csv --max-effects 0 --result told.out
 grep -q '"verdict": "agrees"' told.out || fail "contacts of which a file says how exact they are: $(cat out)"
 awk -v a="$(value told.out contact_scatter_mm)" -v b="$(value plain.out contact_scatter_mm)" 'BEGIN { exit !(a > 0.05 && a > 5 * b) }' ||
     fail "contact.sd_mm is not what is expected: $(value told.out contact_scatter_mm), $(value plain.out contact_scatter_mm) mm without"
-
-expect 0 explain --model guess.json told?.csv --max-effects 0 --result told.out
-awk -v a="$(value told.out contact_scatter_mm)" 'BEGIN { exit !(a > 0.05) }' ||
-    fail "contact.sd_mm by the likelihood: $(value told.out contact_scatter_mm) mm"
 
 # The bias by hand: every force 0.06 N up.
 for n in 1 2 3 4; do

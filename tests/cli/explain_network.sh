@@ -19,7 +19,7 @@ runs() {
     for press in "4 1" "6 2" "8 0.5" "4 1"; do
         set -- "$1" $press
         n=$((n + 1))
-        expect 0 simulate "$1.json" --protocol ramp_hold --depth-mm "$2" --ramp-s "$3" --hold-s 10 --sample-Hz 25 \
+        expect 0 simulate "$1.json" --protocol ramp_hold --depth-mm "$2" --ramp-s "$3" --hold-s 5 --sample-Hz 25 \
             --air-s 1 --noise-N 0.002 --seed $n --out "$1$n.csv"
     done
 }

@@ -17,7 +17,7 @@ runs() {
     for press in "4 1" "6 2" "7 0.5" "4 1"; do
         set -- "$1" "$2" "$3" $press
         n=$((n + 1))
-        expect 0 simulate "$2" --protocol ramp_hold --depth-mm "$4" --ramp-s "$5" --hold-s 20 --sample-Hz 40 \
+        expect 0 simulate "$2" --protocol ramp_hold --depth-mm "$4" --ramp-s "$5" --hold-s 20 --sample-Hz 20 \
             --air-s "$3" --noise-N 0.004 --seed $n --out "$1$n.csv"
     done
 }
@@ -61,7 +61,7 @@ grep -q '"effects": \[\]' plain.out || fail "an effect where none is"
 # A lag of the sensor, and a spike.
 model '{"id": "sensor_lag", "parameters": {"time_s": 0.15}}' 2.1 >lag.json
 runs lag lag.json 3
-awk -F, '/^[-0-9]/ && ++n == 500 { printf "%s,%s,%.9g\n", $1, $2, $3 + 0.5; next } { print }' lag2.csv >spiked && mv spiked lag2.csv
+awk -F, '/^[-0-9]/ && ++n == 250 { printf "%s,%s,%.9g\n", $1, $2, $3 + 0.5; next } { print }' lag2.csv >spiked && mv spiked lag2.csv
 expect 0 explain --model guess.json lag?.csv --result lag.out --report lag.html
 page lag.html lag.out explained 12
 part lag.out events | grep -q 'lag2.csv' || fail "the spike is not among the events"

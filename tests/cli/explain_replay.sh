@@ -65,7 +65,7 @@ runs() {
     for press in "4 1 0.03 1.03 0.05" "6 2 -0.01 0.98 -0.04" "7 0.5 0.02 1.01 0.02" "5 1 -0.03 0.97 -0.06"; do
         set -- "$1" $press
         n=$((n + 1))
-        expect 0 simulate true.json --protocol ramp_hold --depth-mm $2 --ramp-s $3 --hold-s 20 --sample-Hz 40 \
+        expect 0 simulate true.json --protocol ramp_hold --depth-mm $2 --ramp-s $3 --hold-s 20 --sample-Hz 20 \
             --air-s 3 --noise-N 0.004 --seed $n --out plain.csv
         awk -F, -v z=$4 -v g=$5 -v c=$6 -v s=$settles '
             /^[-0-9]/ { printf "%s,%.9g,%.9g\n", $1, $2 + c, z + g * $3 + s * exp(-$1 / 2); next } { print }' \

@@ -137,11 +137,10 @@ START_TEST(the_second_half_of_a_run_alone_is_refused) {
 END_TEST
 
 static const units plain = {1, 1, 1, 0, false, 0};
-static const units others[] = {{1e3, 10, 1, 0, false, 0},      {1, 1e-4, 1e-3, 0, false, 0},
+static const units others[] = {{1e3, 10, 1, 0, false, 0},     {1, 1e-4, 1e-3, 0, false, 0},
                                {1, 1, 1, 1.7e9, false, 1}, /* the first three for nothing, too */
-                               {1e-9, 1, 1, 0, false, 0},      {1, 1, 1e3, 0, false, 0},
-                               {1, 1, 1, 0, true, 0},          {1, 1, 1, 0, false, 2},
-                               {1e-9, 1e-4, 1e-3, 0, false, 0}};
+                               {1, 1, 1, 0, true, 0},         {1, 1, 1, 0, false, 2},
+                               {1e-9, 1e-4, 1e3, 0, false, 0}};
 enum { OTHERS = sizeof others / sizeof *others };
 
 START_TEST(a_lag_is_named_in_any_units) {

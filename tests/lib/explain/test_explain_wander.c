@@ -1,4 +1,4 @@
-/* test_explain_wander.c: zeros that wander are distinguished from effects of the catalogue. */
+/* test_explain_wander.c: zeros that wander are distinguished from effects of the catalogue. check: once */
 #include "explain/explain_lines.h"
 #include "explain/explain_fit.h"
 #include "forward_make.h"

@@ -1,4 +1,4 @@
-/* test_infer_answer.c: cross-validation, the next run and the law's family, from fits made by hand. */
+/* test_infer_answer.c: cross-validation, next run and family of laws, of fits by hand. check: once */
 #include "base/dense.h"
 #include "forward_make.h"
 #include "explain/infer_answer.h"

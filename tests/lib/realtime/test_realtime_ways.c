@@ -21,12 +21,6 @@ START_TEST(many_random_ways) {
 }
 END_TEST
 
-START_TEST(further_ways) {
-    check_ways(1001, 1061);
-}
-END_TEST
-
 void tests(TCase *tc) {
     tcase_add_test(tc, many_random_ways);
-    tcase_add_test(tc, further_ways);
 }
