@@ -1,4 +1,5 @@
-"""hostile_names.py PALPATE LUMPED NETWORK RUN: every command on files with names that are no names.
+"""hostile_names.py PALPATE LUMPED NETWORK RUN STEP: every command on files with names that are no names, of which it
+takes one in STEP.
 
 Of each command: the exit code, no file called PW, which the names' commands would make, stderr and stdout of plain
 UTF-8 without control characters, and outputs that are JSON, experiments and pages.
@@ -13,7 +14,8 @@ import sys
 import xml.etree.ElementTree as xml
 import zipfile
 
-PALPATE, LUMPED, NETWORK, RUN = (os.path.abspath(a) for a in sys.argv[1:])
+PALPATE, LUMPED, NETWORK, RUN = (os.path.abspath(a) for a in sys.argv[1:5])
+STEP = int(sys.argv[5])
 ACQUIRED = (1, 10, 15, 19)  # a press takes a second
 BIN = os.path.abspath("bin")
 LONGEST = 255 - len(b".simulated.csv")
@@ -184,7 +186,7 @@ def main():
     fake_helper()
     for program in ("sh", "touch"):
         os.symlink(shutil.which(program), os.path.join(BIN, program))
-    for number, (kind, name) in enumerate(NAMES.items()):
+    for number, (kind, name) in list(enumerate(NAMES.items()))[1 % STEP::STEP]:
         os.mkdir("name%d" % number)
         os.chdir("name%d" % number)
         try:

@@ -8,5 +8,7 @@ L=$DATA/lumped_n1.json
 "$PALPATE" simulate "$L" --protocol ramp_hold --depth-mm 4 --hold-s 5 --sample-Hz 10 --air-s 1 --noise-N 0.004 |
     grep -v '^# model.file' >run.csv
 "$PALPATE" calibrate "$L" --nodes 3 --stage static --out network.json >out 2>err || fail "no network"
-python3 "$ROOT/tests/cli/hostile_names.py" "$PALPATE" "$L" network.json run.csv || fail "hostile names"
+# The sanitized command, which is some ten times slower, gets one name in three.
+case $PALPATE in */asan/*) step=3 ;; *) step=1 ;; esac
+python3 "$ROOT/tests/cli/hostile_names.py" "$PALPATE" "$L" network.json run.csv $step || fail "hostile names"
 done_testing
