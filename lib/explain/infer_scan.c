@@ -190,6 +190,12 @@ static double find_intervals(grid *g) {
     return find_quantiles(take_parts(&g->inner[best], top, 1.0, all), all, &low, &high);
 }
 
+/* The integral of a posterior over its density at the fit at hand, by their logarithms: its width, which is at
+ * most that of the coordinate's range. */
+static double spread_of(const grid *g, size_t at, double log_ratio) {
+    return fmin(exp(log_ratio), g->fit->c.high[at] - g->fit->c.low[at]);
+}
+
 /* Moves to the other parameter's most probable value, and to the strength's median there, unless that is
  * between two maxima. */
 static palp_status settle(grid *g) {
@@ -204,9 +210,9 @@ static palp_status settle(grid *g) {
         status = go_to(g, there->at[best_of(there)], false);
     if (status)
         return status;
-    strength->spread = exp(g->outer.score[best] - g->fit->promised);
+    strength->spread = spread_of(g, g->strength, g->outer.score[best] - g->fit->promised);
     if (g->both)
-        other->spread = exp(log_integral(&g->outer) - g->outer.score[best]);
+        other->spread = spread_of(g, g->other, log_integral(&g->outer) - g->outer.score[best]);
     return infer_fit_score(g->fit, g->data);
 }
 
