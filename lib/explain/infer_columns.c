@@ -129,13 +129,9 @@ palp_status infer_free_hats(const infer_fit *fit, const explain_data *data, size
     for (size_t i = 0; i < n && force; i++)
         force[i] = run->force[i] - left[i];
     memset(column, 0, INFER_HATS * n * sizeof *column);
-    for (size_t d = 0; d < fit->n_terms && !status; d++) {
-        double *hat = column + d * N * n;
-        status =
-            free_term_columns(&fit->term[d], n, run->time, run->depth, run->height, run->session, force, hat);
-        if (fit->term[d].kind == PALP_FREE_DWELL) /* at whose start the force is continuous */
-            memset(hat, 0, n * sizeof *hat);
-    }
+    for (size_t d = 0; d < fit->n_terms && !status; d++)
+        status = free_term_columns(&fit->term[d], n, run->time, run->depth, run->height, run->session, force,
+                                   column + d * N * n);
     free(force);
     return status;
 }

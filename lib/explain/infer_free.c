@@ -2,6 +2,7 @@
  * the path. The kinds of functions are compared by the evidence of a fit without other discrepancies. */
 #include "infer_answer.h"
 #include "base/dense.h"
+#include "response/free_term.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -315,8 +316,7 @@ static palp_status take_tables(infer_fit *fit, const explain_data *data, palp_ex
         return status ? status : PALP_ERR_NO_MEMORY;
     for (size_t d = 0; d < fit->n_terms; d++)
         for (size_t a = 0; a < N; a++) {
-            const bool none = (fit->term[d].kind == PALP_FREE_DWELL && a == 0) ||
-                              (fit->term[d].kind == PALP_FREE_RESPONSE && a + 1 == INFER_NODES);
+            const bool none = a == free_term_zero(fit->term[d].kind);
             memset(unit, 0, p.g * sizeof *unit);
             unit[d * N + a] = 1.0;
             dense_forward(p.g, p.factor, 1, unit);

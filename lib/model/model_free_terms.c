@@ -61,13 +61,15 @@ static palp_status read_table(const palp_json *at, const char *key, double *valu
 }
 
 static palp_status read_one(const palp_json *at, palp_free_term *term) {
-    static const char *const keys[] = {"depends_on", "class",   "from",    "to",  "depth_mm",
-                                       "slow_mm_s",  "plate_N", "force_N", "sd_N"};
+    static const char *const keys[] = {
+        "depends_on", "class",   "from", "to",     "depth_mm",
+        "slow_mm_s",  "force_N", "sd_N", "plate_N"}; /* the last of a gain alone */
+    const size_t n = sizeof keys / sizeof *keys;
     size_t kind = 0, does = 0;
     memset(term, 0, sizeof *term);
-    palp_status status = palp_json_keys(at, sizeof keys / sizeof *keys, keys);
+    palp_status status = read_name(at, "depends_on", PALP_FREE_KINDS, kind_of, &kind);
     if (!status)
-        status = read_name(at, "depends_on", PALP_FREE_KINDS, kind_of, &kind);
+        status = palp_json_keys(at, kind == PALP_FREE_GAIN ? n : n - 1, keys);
     if (!status)
         status = read_name(at, "class", PALP_FREE_CLASSES, class_of, &does);
     if (status)

@@ -146,8 +146,12 @@ static palp_status place(const palp_free_term *t, size_t n, const double *time, 
     return status;
 }
 
+size_t free_term_zero(palp_free_kind kind) {
+    return kind == PALP_FREE_DWELL ? 0 : kind == PALP_FREE_RESPONSE ? N - 1 : N;
+}
+
 /* A linear system's answer to the path: each change of speed from one pair of samples to the next starts the
- * table once more. The table is 0 at its last place, so that nothing ends with a jump. change[n]: work. */
+ * table once more. change[n]: work. */
 static void respond(const palp_free_term *t, size_t n, const double *time, const double *depth,
                     const double bend[FREE_BENDS], double *change, double *column) {
     const double unit = t->to / t->depth_m, step = (t->to - t->from) / (N - 1);
@@ -167,7 +171,7 @@ static void respond(const palp_free_term *t, size_t n, const double *time, const
             bent[left] += change[s] * (v * v * v - v) / 6.0;
             bent[left + 1] += change[s] * (u * u * u - u) / 6.0;
         }
-        for (size_t a = 0; a + 1 < N; a++) {
+        for (size_t a = 0; a < N; a++) {
             column[a * n + i] = value[a];
             for (size_t b = 0; b < N; b++)
                 column[a * n + i] += bent[b] * bend[b * N + a];
@@ -191,6 +195,9 @@ palp_status free_term_columns(const palp_free_term *t, size_t n, const double *t
         for (size_t i = 0; i < n && !status; i++)
             free_term_hats(bend, at[i], at[n + i], n, i, column);
     }
+    const size_t zero = free_term_zero(t->kind);
+    if (zero < N)
+        memset(column + zero * n, 0, n * sizeof *column);
     free(at);
     return status;
 }

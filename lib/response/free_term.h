@@ -14,6 +14,10 @@ void free_term_bends(double bend[FREE_BENDS]);
 void free_term_hats(const double bend[FREE_BENDS], double at, double size, size_t n, size_t i,
                     double *column);
 
+/* The node at which a term of this kind is 0, as the force is continuous where a dwell begins and where a
+ * response ends; NODES: there is none. */
+size_t free_term_zero(palp_free_kind kind);
+
 /* The forces of a term are these columns[NODES n] times its table. force[n]: of the plate. */
 palp_status free_term_columns(const palp_free_term *term, size_t n, const double *time, const double *depth,
                               double height, double session, const double *force, double *column);

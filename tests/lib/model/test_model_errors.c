@@ -78,6 +78,9 @@ static const struct {
      "quasi_linear, formulation, effects, fractional, covariance, specimens, free_term"},
     {"version_5", 2, PALP_ERR_INPUT, "palpate.model is not 1 to 4, the versions that this build reads"},
     {"plate_N", 8, PALP_ERR_INPUT, "free_term[0] lacks \"plate_N\""},
+    {"no_gain", 8, PALP_ERR_INPUT,
+     "free_term[0].plate_N is not a known key, which are depends_on, class, from, to, depth_mm, slow_mm_s, "
+     "force_N, sd_N"},
     {"viscosity", 10, PALP_ERR_INPUT, "arms[1].viscosity_Ns must be greater than 0, not -30"},
 };
 
