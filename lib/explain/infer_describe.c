@@ -96,7 +96,6 @@ static palp_status find_class(infer_search *s, size_t i, const palp_explain_step
     palp_status status = infer_search_without(s, i, &rest);
     find_likely(s, first, out->effect.id, likely);
     rest.only = likely;
-    rest.best_gain = status ? 0.0 : infer_worth_over(s, &rest);
     out->evidence = status ? 0.0 : s->fit.score - rest.fit.score;
     if (!status)
         status = infer_try_all(&rest);

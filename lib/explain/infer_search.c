@@ -330,15 +330,8 @@ static void finish_task(void *user, size_t i) {
         return;
     t->status = settle_with_noise(s, 1, &t->fit);
     rank(s, t);
-}
-
-/* One that may be taken, or resembles the one that is, begins in both ways. */
-static void begin_task(void *user, size_t i) {
-    infer_search *s = user;
-    infer_trial *t = &s->trial[i];
-    if (!t->fit.raw || !t->tried || is_stopped(s, t))
-        return;
-    if (t->gain > infer_threshold(s->settings) && t->gain > s->best_gain - infer_threshold(s->settings)) {
+    if (!t->status &&
+        t->gain > infer_threshold(s->settings)) { /* it may be taken, so it begins in both ways */
         t->status = infer_begin_anew(&t->fit, &s->data);
         rank(s, t);
     }
@@ -392,12 +385,7 @@ palp_status infer_try_all(infer_search *s) {
     }
     for (int i = 0; i < INFER_TRIALS; i++)
         s->trial[i].tried = s->trial[i].tried && s->trial[i].gain >= least;
-    if (!status)
-        status = each(s, finish_task);
-    s->best_gain = s->only ? s->best_gain : -HUGE_VAL;
-    for (int i = 0; i < INFER_TRIALS; i++)
-        s->best_gain = fmax(s->best_gain, s->trial[i].fit.raw ? s->trial[i].gain : -HUGE_VAL);
-    return status ? status : each(s, begin_task);
+    return status ? status : each(s, finish_task);
 }
 
 /* ---- sets ---- */
@@ -466,7 +454,8 @@ palp_status infer_search_without(const infer_search *full, size_t i, infer_searc
     return settle_without(full, &model, hum, &rest->fit);
 }
 
-double infer_worth_over(const infer_search *s, const infer_search *rest) {
+/* Evidence of an effect in the fit at hand, if rest is the search without it; nats. */
+static double worth_over(const infer_search *s, const infer_search *rest) {
     return s->fit.score - infer_price(s) - rest->fit.score;
 }
 
@@ -492,7 +481,7 @@ static palp_status review(infer_search *s, bool *changed) {
     for (size_t i = 0; i < n && n > 1 && !status && !*changed; i++) {
         infer_search rest;
         status = infer_search_without(s, i, &rest);
-        const double stays = status ? 0.0 : infer_worth_over(s, &rest);
+        const double stays = status ? 0.0 : worth_over(s, &rest);
         *changed = !status && stays < infer_threshold(s->settings);
         if (!status && !*changed) {
             status = infer_try_all(&rest);
@@ -514,7 +503,7 @@ palp_status infer_search_drop(infer_search *s) {
     for (size_t i = infer_added(s); i-- > 0 && !status;) {
         infer_search rest;
         status = infer_search_without(s, i, &rest);
-        if (!status && infer_worth_over(s, &rest) < infer_threshold(s->settings)) {
+        if (!status && worth_over(s, &rest) < infer_threshold(s->settings)) {
             go_on_from(s, &rest);
             status = infer_fit_converge(&s->fit, &s->data);
         } else if (!status)

@@ -31,7 +31,6 @@ typedef struct infer_search {
     infer_trial trial[INFER_TRIALS];
     const bool *only;  /* [INFER_TRIALS] look-alikes that are to be tried; NULL: all trials are */
     double promising;  /* smallest predicted evidence of a trial's fit that is converged */
-    double best_gain;  /* of the trials, or of the effect that they are to resemble */
     double drive_gain; /* nats, of arms that are driven otherwise than the given ones; 0: they are not */
     double first;      /* score of the fit with the first effect, less its price */
     size_t n_steps;
@@ -64,9 +63,6 @@ palp_status infer_search_anew(infer_search *s, const infer_fit *base);
 /* Removes effects whose evidence fell below the threshold when all were fitted together, from the last to the
  * first. */
 palp_status infer_search_drop(infer_search *s);
-
-/* Evidence of an effect in the fit at hand, if rest is the search without it; nats. */
-double infer_worth_over(const infer_search *s, const infer_search *rest);
 
 /* Goes on with this trial of a search without an effect. */
 void infer_search_exchange(infer_search *s, infer_search *rest, int id);
