@@ -423,8 +423,7 @@ palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean,
 
 /* How the parameters of run r, with factor l, depend on the outer ones: cross[BLOCK outer], through the
  * specimen too. slope[SPECIMEN (g + 2)]: likewise of the specimen's parameters; spread[SPECIMEN SPECIMEN]:
- * their covariance. covariance[BLOCK BLOCK] (NULL: not wanted): of the run's parameters, conditional on the
- * global ones. */
+ * their covariance. covariance[BLOCK BLOCK]: of the run's parameters, conditional on the global ones. */
 static void depend_on_outer(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                             size_t r, const double *l, double *cross, double *slope, double *spread,
                             double *covariance) {
@@ -434,9 +433,8 @@ static void depend_on_outer(const infer_fit *fit, const explain_data *data, cons
     dense_cholesky_solve(B, l, outer, cross);
     const double *by = cross + g * B;
     invert(S, specimen_slope(p, r, slope), spread);
-    if (covariance)
-        invert(B, l, covariance);
-    for (size_t a = 0; a < B && covariance; a++)
+    invert(B, l, covariance);
+    for (size_t a = 0; a < B; a++)
         for (size_t b = 0; b < B; b++)
             for (size_t i = 0; i < S * S; i++)
                 covariance[a * B + b] += by[i / S * B + a] * spread[i] * by[i % S * B + b];
@@ -499,9 +497,40 @@ palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, co
     return status;
 }
 
+/* The mean alone, for which one right-hand side is enough: that of the residual without the outer parameters
+ * at their posterior. */
+static palp_status find_own_mean(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                                 size_t r, double *mean) {
+    enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
+    const size_t g = p->g, outer = g + 1 + S + 1;
+    double l[B * B], log_prior, specimen[S], multiplier = p->pull_of_mean[g];
+    if (!own_factor(fit, r, l, &log_prior))
+        return PALP_ERR_SINGULAR;
+    palp_status status = infer_specimen_own(p, r, specimen, NULL);
+    double *cross = status ? NULL : malloc(outer * B * sizeof *cross);
+    if (!cross)
+        return status ? status : PALP_ERR_NO_MEMORY;
+    own_cross(fit, data, r, outer, cross);
+    memcpy(mean, cross + (outer - 1) * B, B * sizeof *mean);
+    for (size_t b = 0; b < outer - 1; b++) {
+        const double at = b < INFER_HATS ? p->mean[b]
+                          : b < g        ? p->mean[b] - infer_undone(p, 0, INFER_HATS, b - INFER_HATS)
+                          : b == g       ? multiplier
+                                         : specimen[b - g - 1];
+        multiplier -= b < g ? p->pull_of_mean[b] * at : 0.0;
+        for (size_t a = 0; a < B; a++)
+            mean[a] -= at * cross[b * B + a];
+    }
+    dense_cholesky_solve(B, l, 1, mean);
+    free(cross);
+    return PALP_OK;
+}
+
 palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                       double *mean, double *covariance) {
     enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
+    if (!covariance)
+        return find_own_mean(fit, data, p, r, mean);
     const size_t g = p->g + 1, outer = g + S + 1;
     double l[B * B], log_prior, spread[S * S];
     double *cross = malloc(outer * B * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope);

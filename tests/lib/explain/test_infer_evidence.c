@@ -289,6 +289,29 @@ START_TEST(a_discrepancy_follows_straight_lines) {
 }
 END_TEST
 
+/* The mean of a run's own parameters is the same with their covariance and without it, also where the
+ * contacts average 0. */
+START_TEST(the_mean_alone_is_the_same) {
+    explain_data data;
+    infer_fit fit;
+    infer_posterior p;
+    palp_model m;
+    double alone[INFER_BLOCK], own[INFER_BLOCK], covariance[INFER_BLOCK * INFER_BLOCK];
+    begin(&data, &fit, &m);
+    data.contacts_average_0 = _i == 1;
+    ck_assert_int_eq(infer_posterior_find(&fit, &data, &p), PALP_OK);
+    for (size_t r = 0; r < runs; r++) {
+        ck_assert_int_eq(infer_own(&fit, &data, &p, r, alone, NULL), PALP_OK);
+        ck_assert_int_eq(infer_own(&fit, &data, &p, r, own, covariance), PALP_OK);
+        ck_assert_double_gt(fabs(own[INFER_CONTACT]), 0);
+        for (size_t a = 0; a < INFER_BLOCK; a++)
+            ck_assert_double_eq_tol(alone[a], own[a], 1e-9 * sqrt(covariance[a * (INFER_BLOCK + 1)]));
+    }
+    infer_posterior_free(&p);
+    end(&data, &fit);
+}
+END_TEST
+
 /* Held, what is the runs' own is where the columns are. The density is largest where the posterior has it. */
 START_TEST(what_is_held_is_where_the_columns_are) {
     explain_data data;
@@ -601,6 +624,7 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, it_is_so_too_where_contacts_average_nothing, 2, MOST + 1);
     tcase_add_test(tc, forces_alone_have_the_same_products);
     tcase_add_test(tc, a_discrepancy_follows_straight_lines);
+    tcase_add_loop_test(tc, the_mean_alone_is_the_same, 0, 2);
     tcase_add_test(tc, what_is_held_is_where_the_columns_are);
     tcase_add_test(tc, contacts_average_nothing);
     tcase_add_loop_test(tc, a_specimen_has_the_column_of_its_factor, 0, INFER_SPECIMEN);
