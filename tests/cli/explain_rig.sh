@@ -30,10 +30,11 @@ J
 # found EFFECT KEY: the value that the explained model has; nothing where it lacks the effect.
 found() { sed -n "s/.*\"$1\", \"parameters\": {.*\"$2\": *\([-+.0-9eE]*\).*/\1/p" explained.json; }
 
+every=20 # samples
 # Each session has other noise, so the 5 % of sessions in which chance alone is named must be fewer here.
 alarm=0.0001
 explain() { # RUNS...
-    expect 0 explain --model plain.json "$@" --every 20 --false-alarm $alarm --out explained.json --result result.json --next next.json
+    expect 0 explain --model plain.json "$@" --every $every --false-alarm $alarm --out explained.json --result result.json --next next.json
     cp out "said_$name"
 }
 
@@ -54,6 +55,7 @@ session lag sensor_lag '"time_s": 0.02'
 near "time of the lag" "$(found sensor_lag time_s)" 0.02 0.1
 [ "$(verdict)" = explained ] || fail "lag: $(cat said_lag)"
 
+every=40
 session beta strain_dependent_arm '"stiffness_per_strain": 3, "time_per_strain": 1'
 near "growth of the arm" "$(found strain_dependent_arm stiffness_per_strain)" 3 0.1
 near "growth of its time" "$(found strain_dependent_arm time_per_strain)" 1 0.1
@@ -64,7 +66,7 @@ alarm=0.005 # a smaller one wants more experiments until it takes two effects ap
 session arm relaxation_arm '"stiffness_N": 0.5, "time_s": 6'
 expect 1 acquire --port rig:rig.json --firmware host --protocol protocol.json --out none --until-explained none.json
 [ ! -e none ] || fail "it moved although the model is not there"
-expect 0 acquire --port rig:rig.json --firmware host --protocol protocol.json --out until --until-explained plain.json --every 20 --false-alarm $alarm --json
+expect 0 acquire --port rig:rig.json --firmware host --protocol protocol.json --out until --until-explained plain.json --every $every --false-alarm $alarm --json
 grep -q '"verdict": "explained"' out || fail "not explained: $(cat err)"
 cp until/explained.json until/explain.json .
 near "stiffness of the arm" "$(found relaxation_arm stiffness_N)" 0.5 0.1
@@ -72,11 +74,11 @@ near "time of the arm" "$(found relaxation_arm time_s)" 6 0.1
 # Without time for an experiment it says what is left.
 case $(verdict) in
 ambiguous)
-    expect 3 acquire --port rig:rig.json --firmware host --protocol protocol.json --out short --until-explained plain.json --every 20 --false-alarm $alarm --budget-s 0.1
+    expect 3 acquire --port rig:rig.json --firmware host --protocol protocol.json --out short --until-explained plain.json --every $every --false-alarm $alarm --budget-s 0.1
     grep -q 'several effects fit' err || fail "no word of the causes: $(cat err)" ;;
 esac
 
 # ---- the rig as it is: nothing to explain ----
-expect 0 explain --model rig.json arm/*.csv --every 20 --false-alarm $alarm --result result.json
+expect 0 explain --model rig.json arm/*.csv --every $every --false-alarm $alarm --result result.json
 [ "$(verdict)" = agrees ] || fail "the rig's own model: $(cat out)"
 done_testing

@@ -24,10 +24,13 @@ expect 0 explain --simulated sim/*.csv none/*.csv --result none.json
 grep -q '"verdict": "agrees"' none.json && grep -q '"effects": \[\]' none.json || fail "nothing hidden: $(cat out)"
 grep -q "^As it is, recorded minus simulation" out || fail "not said of the simulation: $(cat out)"
 
-# named EFFECT SIZE PARAMETER: it alone, with its size to 3 %.
+# named EFFECT SIZE PARAMETER [OPTION...]: it alone, with its size to 3 %.
 named() {
     runs "$1" "$1" "$2" 0.004
-    expect 0 explain --simulated sim/*.csv "$1"/*.csv --result "$1.json" --out "$1.model"
+    effect=$1 size=$2 parameter=$3
+    shift 3
+    expect 0 explain --simulated sim/*.csv "$effect"/*.csv "$@" --result "$effect.json" --out "$effect.model"
+    set -- "$effect" "$size" "$parameter"
     grep -q '"verdict": "explained"' "$1.json" || fail "$1: $(cat out)"
     [ "$(grep -c '"evidence_standard_error"' "$1.json")" -eq 1 ] || fail "$1: not one effect: $(cat out)"
     grep -q "\"id\": \"$1\"" "$1.model" || fail "$1 is not in the file of --out: $(cat out)"
@@ -43,10 +46,11 @@ done
 expect 0 explain --simulated bare_sim/*.csv bare/*.csv --candidates frame_compliance --result bare.json
 near "frame without a height" "$(value bare.json compliance_mm_N)" "$(value frame_compliance.json compliance_mm_N)" 1e-3
 named contact_offset 0.1 offset_mm
-named sensor_lag 0.08 time_s
-named sensor_drift 0.004 force_N_s
-named coulomb_friction 0.03 force_N
-named sensor_gain 0.03 gain
+some="--candidates contact_offset,sensor_lag,sensor_drift,coulomb_friction,sensor_gain,toe_region,relaxation_arm"
+named sensor_lag 0.08 time_s $some
+named sensor_drift 0.004 force_N_s $some
+named coulomb_friction 0.03 force_N $some
+named sensor_gain 0.03 gain $some
 grep -q "too soft or too stiff by that factor" out || fail "a gain may be the simulated stiffness: $(cat out)"
 
 # The lumped model that is written follows the simulated force to a thousandth of the peak.
