@@ -190,8 +190,8 @@ static double find_intervals(grid *g) {
     return find_quantiles(take_parts(&g->inner[best], top, 1.0, all), all, &low, &high);
 }
 
-/* The integral of a posterior over its density at the fit at hand, by their logarithms: its width, which is at
- * most that of the coordinate's range. */
+/* The integral of a posterior over its density at the fit at hand, by their logarithms: its width, which is
+ * at most that of the coordinate's range. */
 static double spread_of(const grid *g, size_t at, double log_ratio) {
     return fmin(exp(log_ratio), g->fit->c.high[at] - g->fit->c.low[at]);
 }
