@@ -15,7 +15,7 @@ build() { ${MAKE:-make} --no-print-directory BUILD="$BUILD" "$@" "$BUILD/palpate
 
 if [ "$runs" = seeds ]; then
     BUILD=${BUILD:-build}/asan
-    build SANITIZE=1
+    if command -v clang >/dev/null; then build SANITIZE=1 CC=clang; else build SANITIZE=1; fi # as tests/run.sh does
     compiler=$(sed 's/ -Iinclude.*//' "$BUILD/flags")
     fuzzer=
     driver=tests/fuzz/replay.c
