@@ -70,9 +70,9 @@ static palp_status find_alike(const infer_search *s, infer_search *rest, palp_ex
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* Effects that may resemble this one. The first step (NULL: there was none) tried them all beside no other
- * effect. If the only effect was worth its threshold there, one that was less probable than none is further
- * below it than the threshold. */
+/* Effects that may resemble this one. The first step (NULL: there was none) tried each effect alone. If the
+ * only effect exceeded the threshold there, an effect less probable than none is no look-alike: the
+ * difference of their log evidences exceeds the threshold too. */
 static void find_likely(const infer_search *s, const palp_explain_step *first, palp_effect_id id,
                         bool likely[INFER_TRIALS]) {
     bool known = false;
