@@ -19,7 +19,7 @@ SCALARS = {'double': 'c_double', 'float': 'c_float', '_Bool': 'c_bool', 'bool': 
            'uint32_t': 'c_uint32', 'uint64_t': 'c_uint64'}
 # Numbers of elements that neither a comment "[n]" after a member nor a member n_<its name> tells.
 LENGTHS = {'palp_forward_run': {'time_s': 'n', 'depth_m': 'n'},
-           'palp_law': {'coefficients': 'n', 'strain': 'n', 'slope': 'n'},
+           'palp_law': {'coefficients': 'n', 'strain': 'n', 'slope': 'n', 'energy': 'n'},
            'palp_path': {'time_s': 'n', 'depth_m': 'n', 'force_N': 'n'},
            'palp_recording': {'time_s': 'n', 'depth_m': 'n', 'force_N': 'n'},
            'palp_retardation': {'compliance_1_Pa': 'n', 'time_s': 'n'},

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 3, FINALISTS = 3 };
+enum { ROUNDS = 3, PROMISING = 8, FINALISTS = 3 };
 
 /* Whether the current fit has a discrepancy or another law, which may stand for an effect. */
 static palp_status is_left(const infer_search *s, bool *left) {
@@ -37,6 +37,7 @@ typedef struct anew {
     const infer_fit *base;
     infer_fit fit[PALP_EFFECT_COUNT]; /* raw NULL: there is none */
     palp_status status[PALP_EFFECT_COUNT];
+    double promising; /* fits with at least this score go on */
 } anew;
 
 /* Frees a fit that failed with this status. */
@@ -101,8 +102,14 @@ static void try_anew(void *user, size_t i) {
     for (size_t k = 0; k < starts.n && !status; k++)
         status = enter(a, &starts.effect[k], best);
     if (!status && best->raw)
-        status = infer_fit_anneal(best, &s->data, ROUNDS);
+        status = infer_fit_anneal(best, &s->data, 1);
     a->status[i] = keep_if_had(best, status);
+}
+
+static void go_on(void *user, size_t i) {
+    anew *a = user;
+    if (a->fit[i].raw && a->fit[i].score >= a->promising)
+        a->status[i] = keep_if_had(&a->fit[i], infer_fit_anneal(&a->fit[i], &a->s->data, ROUNDS - 1));
 }
 
 /* PALP_EFFECT_COUNT: there is none below this score. */
@@ -115,16 +122,35 @@ static int best_below(const anew *a, double score) {
     return best;
 }
 
+/* The n best ones, in their order; PALP_EFFECT_COUNT: there are no more. */
+static void list_best(const anew *a, size_t n, int *list) {
+    double score = HUGE_VAL;
+    for (size_t k = 0; k < n; k++) {
+        list[k] = best_below(a, score);
+        score = list[k] == PALP_EFFECT_COUNT ? -HUGE_VAL : a->fit[list[k]].score;
+    }
+}
+
+static palp_status each(anew *a, void (*task)(void *, size_t)) {
+    explain_each(a->s->settings, PALP_EFFECT_COUNT, task, a, a->status);
+    for (int k = 0; k < PALP_EFFECT_COUNT; k++)
+        if (a->status[k])
+            return a->status[k];
+    return PALP_OK;
+}
+
 /* The best of all, with its noise and sizes estimated; PALP_EFFECT_COUNT: there is none. */
 static palp_status find_best(anew *a, int *best) {
     const explain_data *data = &a->s->data;
-    int finalist[FINALISTS], i = *best = PALP_EFFECT_COUNT;
-    palp_status status = PALP_OK;
-    explain_each(a->s->settings, PALP_EFFECT_COUNT, try_anew, a, a->status);
-    for (int k = 0; k < PALP_EFFECT_COUNT && !status; k++)
-        status = a->status[k];
-    for (int k = 0; k < FINALISTS; k++)
-        finalist[k] = i = best_below(a, i == PALP_EFFECT_COUNT ? HUGE_VAL : a->fit[i].score);
+    int promising[PROMISING], finalist[FINALISTS];
+    *best = PALP_EFFECT_COUNT;
+    palp_status status = each(a, try_anew);
+    list_best(a, PROMISING, promising);
+    a->promising =
+        promising[PROMISING - 1] == PALP_EFFECT_COUNT ? -HUGE_VAL : a->fit[promising[PROMISING - 1]].score;
+    if (!status)
+        status = each(a, go_on);
+    list_best(a, FINALISTS, finalist);
     for (int k = 0; k < FINALISTS && finalist[k] != PALP_EFFECT_COUNT && !status; k++)
         status = keep_if_had(&a->fit[finalist[k]], infer_fit_anneal(&a->fit[finalist[k]], data, ROUNDS));
     *best = best_below(a, HUGE_VAL);

@@ -25,7 +25,8 @@ void element_damage_force(const palp_law *law, const element_damage *damage, dou
     const double slope_of_erf = 1.12837916709551257390; /* 2 / sqrt(pi) */
     double law_force, tangent, energy, peak_force, peak_energy, by_strain = 1.0, by_peak = 0.0;
     *out = (element_damaged){.peak = fmax(fabs(e), peak), .inner = e, .factor = 1.0};
-    palp_law_force(law, 1, &peak, &peak_force, NULL, &peak_energy);
+    if (fabs(e) < peak)
+        palp_law_force(law, 1, &peak, &peak_force, NULL, &peak_energy);
     if (!(fabs(e) < peak) || !(peak_energy > 0.0)) {
         palp_law_force(law, 1, &e, &out->force, &out->by_strain, NULL);
         return;

@@ -80,7 +80,7 @@ palp_status palp_law_spline(size_t n, const double *strain, const double *stiffn
     }
     palp_law made = make_law_of_kind(PALP_LAW_SPLINE, n, stiffness_N);
     memcpy(made.strain, strain, n * sizeof *strain);
-    law_spline_slopes(&made);
+    law_spline_derive(&made);
     *law = made;
     return PALP_OK;
 }
@@ -127,7 +127,8 @@ palp_status law_check(const palp_law *law) {
     if (!(law->strain_max >= 0.0) || !isfinite(law->strain_max))
         status = PALP_ERR_ARGUMENT;
     for (size_t i = 0; i < made.n && !status; i++)
-        if (law->kind == PALP_LAW_SPLINE && !(law->slope[i] == made.slope[i]))
+        if (law->kind == PALP_LAW_SPLINE &&
+            !(law->slope[i] == made.slope[i] && law->energy[i] == made.energy[i]))
             status = PALP_ERR_ARGUMENT;
     return status;
 }

@@ -23,8 +23,8 @@ void law_kind_gradient(const palp_law *law, double a, double *dstiffness, double
 /* d energy / d coefficients at strain e: the integral of palp_law_gradient from 0 to |e|. */
 void law_energy_gradient(const palp_law *law, double e, double *out);
 
-/* Computes law->slope from the values at the knots. */
-void law_spline_slopes(palp_law *law);
+/* Computes law->slope and law->energy from the values at the knots. */
+void law_spline_derive(palp_law *law);
 void law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
                       double *energy_N);
 void law_spline_stiffness(const palp_law *law, double a, double *stiffness_N, double *slope_N);

@@ -65,14 +65,9 @@ static knot_slope monotone_slope_at_knot(const palp_law *law, size_t i) {
     return slope_at_inner_knot(law, i);
 }
 
-void law_spline_slopes(palp_law *law) {
-    for (size_t i = 0; i < law->n; i++)
-        law->slope[i] = monotone_slope_at_knot(law, i).slope;
-}
-
 /* Interval i for i < n - 1, or the straight continuation for i = n - 1. */
 static piece cubic_piece_of_interval(const palp_law *law, size_t i) {
-    piece p = {law->strain[i], {law->coefficients[i], law->slope[i], 0.0, 0.0}, 0.0};
+    piece p = {law->strain[i], {law->coefficients[i], law->slope[i], 0.0, 0.0}, law->energy[i]};
     if (i + 1 < law->n) {
         double h = interval_width(law, i), d = interval_secant(law, i);
         p.c[2] = (3.0 * d - 2.0 * law->slope[i] - law->slope[i + 1]) / h;
@@ -87,6 +82,16 @@ static double integrate_energy_in_piece(const piece *p, double u) {
     double k = c[0] + u * (c[1] / 2.0 + u * (c[2] / 3.0 + u * c[3] / 4.0));
     double ku = c[0] / 2.0 + u * (c[1] / 3.0 + u * (c[2] / 4.0 + u * c[3] / 5.0));
     return u * (p->x * k + u * ku);
+}
+
+void law_spline_derive(palp_law *law) {
+    for (size_t i = 0; i < law->n; i++)
+        law->slope[i] = monotone_slope_at_knot(law, i).slope;
+    law->energy[0] = 0.0;
+    for (size_t i = 0; i + 1 < law->n; i++) {
+        const piece p = cubic_piece_of_interval(law, i);
+        law->energy[i + 1] = p.energy + integrate_energy_in_piece(&p, interval_width(law, i));
+    }
 }
 
 static double piece_stiffness(const piece *p, double u) {
@@ -121,30 +126,16 @@ static void evaluate_spline_piece(const piece *p, double e, double *force_N, dou
         *energy_N = p->energy + integrate_energy_in_piece(p, u);
 }
 
-/* Interval i, with the energy up to its start if wanted. */
-static piece piece_with_energy_before(const palp_law *law, size_t i, bool energy) {
-    piece p = cubic_piece_of_interval(law, i);
-    for (size_t k = 0; k < i && energy; k++) {
-        piece before = cubic_piece_of_interval(law, k);
-        p.energy += integrate_energy_in_piece(&before, interval_width(law, k));
-    }
-    return p;
-}
-
 /* For a few strains each piece is made when needed, otherwise all before. */
 void law_spline_force(const palp_law *law, size_t n, const double *e, double *force_N, double *tangent_N,
                       double *energy_N) {
     piece pieces[PALP_LAW_MAX];
     const bool few = n < law->n;
-    for (size_t i = 0; i < law->n && !few; i++) {
+    for (size_t i = 0; i < law->n && !few; i++)
         pieces[i] = cubic_piece_of_interval(law, i);
-        if (i > 0)
-            pieces[i].energy =
-                pieces[i - 1].energy + integrate_energy_in_piece(&pieces[i - 1], interval_width(law, i - 1));
-    }
     for (size_t i = 0; i < n; i++) {
-        size_t at = find_knot_interval(law, fabs(e[i]));
-        piece own = few ? piece_with_energy_before(law, at, energy_N) : pieces[at];
+        const size_t at = find_knot_interval(law, fabs(e[i]));
+        const piece own = few ? cubic_piece_of_interval(law, at) : pieces[at];
         evaluate_spline_piece(&own, e[i], &force_N[i], tangent_N ? &tangent_N[i] : NULL,
                               energy_N ? &energy_N[i] : NULL);
     }
