@@ -56,13 +56,11 @@ palp_effect_id infer_added_id(const infer_search *s, size_t i) {
 
 /* ---- one candidate ---- */
 
-/* Reduction of the prior variance of the strength of the fit's last effect by the runs; and the fit's
- * scores. */
-static palp_status find_learned(infer_fit *fit, const explain_data *data, double *learned) {
+palp_status infer_learned(infer_fit *fit, const explain_data *data, size_t i, double *learned) {
     const palp_model *m = &fit->c.model;
-    const size_t k = fit->k, g = k + INFER_HATS, last = m->n_effects - 1;
-    const palp_effect_info *info = palp_effect_look_up(m->effects[last].id);
-    size_t at = explain_first_column(m, last);
+    const size_t k = fit->k, g = k + INFER_HATS;
+    const palp_effect_info *info = palp_effect_look_up(m->effects[i].id);
+    size_t at = explain_first_column(m, i);
     for (size_t p = 0; p < info->n_parameters && !info->parameter[p].strength; p++)
         at += p + 1 < info->n_parameters;
     infer_posterior p = {.memory = NULL};
@@ -95,7 +93,7 @@ static palp_status added_at(const infer_search *s, const palp_effect *effect, bo
     if (!status)
         status = infer_fit_evaluate(fit, &s->data);
     if (!status)
-        status = find_learned(fit, &s->data, learned);
+        status = infer_learned(fit, &s->data, model.n_effects - 1, learned);
     if (status)
         infer_fit_free(fit);
     return status;
@@ -159,6 +157,8 @@ static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_tr
     }
     if (effect_row_of(id)->jumps && best[1].raw) /* its whole posterior is scanned, from any start */
         infer_fit_free(&best[1]);
+    if (best[0].raw)
+        t->start = best[0].c.model.effects[best[0].c.model.n_effects - 1];
     for (int i = 0; i < 2 && !status; i++) /* an outlier without the effect need not be one with it */
         status = best[i].raw ? infer_tails_learn(&best[i], &s->data) : PALP_OK;
     t->fit = best[0];
@@ -216,8 +216,7 @@ static palp_status try_drive(const infer_search *s, infer_trial *t) {
     return status ? status : infer_fit_evaluate(&t->fit, &s->data);
 }
 
-/* A few steps towards its best parameters, which show its promise; freed where there are none. */
-static palp_status approach(const infer_search *s, infer_fit *fit) {
+palp_status infer_approach(const infer_search *s, infer_fit *fit) {
     enum { EVALUATIONS = 3 };
     palp_status status = fit->raw ? infer_fit_improve(fit, &s->data, EVALUATIONS) : PALP_OK;
     if (status)
@@ -242,18 +241,24 @@ static bool is_stopped(const infer_search *s, infer_trial *t) {
     return stop;
 }
 
-/* How far the trial changes the residual, and how well the runs determine its strength. */
-static palp_status examine(const infer_search *s, infer_trial *t) {
+palp_status infer_change(const infer_search *s, const infer_fit *fit, double *rms) {
     const size_t n = s->data.n;
     double *left = malloc(2 * n * sizeof *left);
-    palp_status status = left ? infer_residual(&t->fit, &s->data, left, left + n) : PALP_ERR_NO_MEMORY;
+    palp_status status = left ? infer_residual(fit, &s->data, left, left + n) : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < n && !status; i++)
         left[i] -= s->residual[i];
-    t->explained = status ? 0.0 : explain_fitted_rms(&s->data, left);
+    *rms = status ? 0.0 : explain_fitted_rms(&s->data, left);
     free(left);
+    return status;
+}
+
+/* How far the trial changes the residual, and how well the runs determine its strength. */
+static palp_status examine(const infer_search *s, infer_trial *t) {
+    palp_status status = infer_change(s, &t->fit, &t->explained);
     t->learned = 1.0;
-    const bool effect = t->fit.c.model.n_effects > s->fit.c.model.n_effects;
-    return status || !effect ? status : find_learned(&t->fit, &s->data, &t->learned);
+    const size_t n = t->fit.c.model.n_effects;
+    return status || n == s->fit.c.model.n_effects ? status
+                                                   : infer_learned(&t->fit, &s->data, n - 1, &t->learned);
 }
 
 static void try_task(void *user, size_t i) {
@@ -273,9 +278,9 @@ static void try_task(void *user, size_t i) {
     if (status && t->second.raw)
         infer_fit_free(&t->second);
     if (!status)
-        status = approach(s, &t->fit);
+        status = infer_approach(s, &t->fit);
     if (!status)
-        status = approach(s, &t->second);
+        status = infer_approach(s, &t->second);
     t->status = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
     rank(s, t);
 }
@@ -308,8 +313,7 @@ static void settle_task(void *user, size_t i) {
         t->status = examine(s, t);
 }
 
-/* Estimates its noise too; the fit stays unchanged where moving contacts make it worse. */
-static palp_status settle_with_noise(const infer_search *s, size_t rounds, infer_fit *fit) {
+palp_status infer_settle_with_noise(const infer_search *s, size_t rounds, infer_fit *fit) {
     infer_fit before;
     palp_status status = infer_fit_copy(fit, &s->data, &before);
     if (status)
@@ -328,7 +332,7 @@ static void finish_task(void *user, size_t i) {
     infer_trial *t = &s->trial[i];
     if (!t->fit.raw || !t->tried || is_stopped(s, t))
         return;
-    t->status = settle_with_noise(s, 1, &t->fit);
+    t->status = infer_settle_with_noise(s, 1, &t->fit);
     rank(s, t);
     if (!t->status &&
         t->gain > infer_threshold(s->settings)) { /* it may be taken, so it begins in both ways */
@@ -390,13 +394,12 @@ palp_status infer_try_all(infer_search *s) {
 
 /* ---- sets ---- */
 
-/* Whether the runs determine the strength better than its prior. */
-static bool is_shown(double share) {
+bool infer_is_shown(double share) {
     return share > 0.5;
 }
 
 bool infer_may_be_named(const infer_search *s, const infer_trial *t) {
-    return t->fit.raw && is_shown(t->learned) && t->explained > s->settings->good_enough * s->data.peak;
+    return t->fit.raw && infer_is_shown(t->learned) && t->explained > s->settings->good_enough * s->data.peak;
 }
 
 /* INFER_TRIALS: there is none. */
@@ -518,7 +521,7 @@ palp_status infer_search_drop(infer_search *s) {
 /* lack: [EFFECT_LACK_MAX], what the runs do not contain. */
 static const char *why_not(const infer_search *s, int id, char *lack) {
     const infer_trial *t = &s->trial[id];
-    if (!is_shown(t->share)) {
+    if (!infer_is_shown(t->share)) {
         const effect_data facts = explain_facts(&s->data);
         return effect_need_met(effect_row_of((palp_effect_id)id), &facts, lack) ? "these runs cannot show it"
                                                                                 : lack;
@@ -526,7 +529,8 @@ static const char *why_not(const infer_search *s, int id, char *lack) {
     if (!(t->gain > 0.0))
         return "is less probable than nothing";
     if (!infer_may_be_named(s, t))
-        return is_shown(t->learned) ? "explains less than the practical limit" : "these runs cannot show it";
+        return infer_is_shown(t->learned) ? "explains less than the practical limit"
+                                          : "these runs cannot show it";
     return t->gain > infer_threshold(s->settings) ? "another effect is more probable"
                                                   : "is more probable than not, but not by enough";
 }
@@ -546,7 +550,7 @@ static palp_status keep_step(infer_search *s, int best) {
             continue;
         palp_explain_candidate *out = &step->candidate[step->n_candidates++];
         *out = (palp_explain_candidate){.id = (palp_effect_id)i,
-                                        .identifiable = is_shown(t->share),
+                                        .identifiable = infer_is_shown(t->share),
                                         .share = t->share,
                                         .accepted = accepted,
                                         .score = t->fit.raw ? t->gain : 0.0,
@@ -572,14 +576,28 @@ palp_status infer_search_run(infer_search *s) {
         status = infer_try_all(s);
         const int best = status ? INFER_TRIALS : best_trial(s);
         const bool worth = best != INFER_TRIALS && s->trial[best].gain > infer_threshold(s->settings);
-        if (!status)
+        infer_fit both = {.raw = NULL};
+        palp_effect_id pair[2];
+        if (!status && !worth && infer_added(s) + 2 <= s->settings->max_effects)
+            status = infer_pair_find(s, &both, pair);
+        for (int i = 0; i < 2 && both.raw && !status; i++)
+            status = keep_step(s, (int)pair[i]);
+        if (!status && !both.raw)
             status = keep_step(s, worth ? best : INFER_TRIALS);
-        if (status || !worth)
+        if (status || !(worth || both.raw)) {
+            if (both.raw)
+                infer_fit_free(&both);
             break;
-        take(s, best);
-        status = settle_with_noise(s, 2, &s->fit);
+        }
+        if (worth)
+            take(s, best);
+        else {
+            infer_fit_exchange(&s->fit, &both);
+            infer_fit_free(&both);
+        }
+        status = infer_settle_with_noise(s, 2, &s->fit);
         if (step == 0)
-            s->first = s->fit.score - infer_price(s);
+            s->first = s->fit.score - infer_price(s) * (double)infer_added(s);
         if (!status)
             status = review(s, &changed);
     }

@@ -9,12 +9,13 @@
 /* A further effect of a fit. */
 typedef struct infer_trial {
     bool tried;
-    infer_fit fit;    /* fit.raw NULL: it could not be tried */
-    infer_fit second; /* from another start, as long as either may be the better one; raw NULL: none */
-    double gain;      /* in log evidence, less the logarithm of the number of candidates, nats */
-    double explained; /* rms by which it changes the residual, N */
-    double learned;   /* reduction of its strength's prior variance by the runs, */
-    double share;     /* and the largest one at its starts with the current fit */
+    infer_fit fit;     /* fit.raw NULL: it could not be tried */
+    palp_effect start; /* from which it began */
+    infer_fit second;  /* from another start, as long as either may be the better one; raw NULL: none */
+    double gain;       /* in log evidence, less the logarithm of the number of candidates, nats */
+    double explained;  /* rms by which it changes the residual, N */
+    double learned;    /* reduction of its strength's prior variance by the runs, */
+    double share;      /* and the largest one at its starts with the current fit */
     palp_status status;
 } infer_trial;
 
@@ -51,8 +52,25 @@ double infer_price(const infer_search *s);
 palp_status infer_try_all(infer_search *s);
 void infer_trials_free(infer_search *s);
 
-/* Adds effects as long as one exceeds the threshold, removes those below it, exchanges one for a better
- * one. */
+/* Reduction of the prior variance of the strength of a fit's effect i by the runs; and the fit's scores. */
+palp_status infer_learned(infer_fit *fit, const explain_data *data, size_t i, double *learned);
+bool infer_is_shown(double learned); /* whether the runs determine it better than its prior */
+
+/* Root mean square by which a fit changes the residual of the search, N. */
+palp_status infer_change(const infer_search *s, const infer_fit *fit, double *rms);
+
+/* A few steps towards its best parameters, which show its promise; freed where there are none. */
+palp_status infer_approach(const infer_search *s, infer_fit *fit);
+
+/* Parameters, sizes and noise; the fit stays unchanged where moving contacts make it worse. */
+palp_status infer_settle_with_noise(const infer_search *s, size_t rounds, infer_fit *fit);
+
+/* The most probable pair of effects after infer_try_all, if it exceeds the threshold; both->raw NULL if none
+ * does. It is the caller's to free. (infer_pairs.c) */
+palp_status infer_pair_find(infer_search *s, infer_fit *both, palp_effect_id pair[2]);
+
+/* Adds effects as long as one exceeds the threshold, or a pair where none does alone. Removes those below it,
+ * exchanges one for a better one. */
 palp_status infer_search_run(infer_search *s);
 
 /* If a search ended with a discrepancy or another law: fits each effect to the model as given without a

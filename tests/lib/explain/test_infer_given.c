@@ -1,5 +1,5 @@
 /* test_infer_given.c: what the given model has is kept: its arms with an added one, and its effects, whose
- * history lasts from run to run or not. check: once */
+ * history lasts from run to run or not. Two effects that hide each other are added at once. check: once */
 #include "forward_make.h"
 
 #include <palpate/explain.h>
@@ -108,7 +108,34 @@ START_TEST(what_is_given_lasts_or_not_as_the_runs_tell) {
 }
 END_TEST
 
+/* What the lag takes from the force the arm adds: neither alone is more probable than nothing. */
+START_TEST(a_lag_and_an_arm_are_found_together) {
+    const palp_explain_settings all = palp_explain_settings_default();
+    palp_model truth = lumped_model(1);
+    add_effect(&truth, PALP_EFFECT_SENSOR_LAG, 0)->value[0] = 0.008;
+    palp_effect *arm = add_effect(&truth, PALP_EFFECT_RELAXATION_ARM, 0);
+    arm->value[0] = 0.97;
+    arm->value[1] = 0.1;
+    session(&truth, true);
+    palp_explanation e = explain(lumped_model(1), &all);
+    for (size_t k = 0; k < e.step[0].n_candidates; k++)
+        ck_assert_double_le(e.step[0].candidate[k].score, 0);
+    ck_assert_uint_eq(e.n_effects, 2);
+    for (size_t i = 0; i < 2; i++) {
+        const palp_effect *found = &e.effect[i].effect;
+        ck_assert_double_gt(e.effect[i].evidence, 20);
+        if (found->id == PALP_EFFECT_SENSOR_LAG)
+            ck_assert_double_eq_tol(found->value[0], 0.008, 0.003);
+        else
+            ck_assert_int_eq(found->id, PALP_EFFECT_RELAXATION_ARM);
+    }
+    ck_assert_double_eq_tol(e.gap.after_N, NOISE, 0.05 * NOISE);
+    palp_explanation_free(&e);
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, a_lag_and_an_arm_are_found_together);
     tcase_add_test(tc, the_added_arm_is_the_hidden_one);
     tcase_add_test(tc, an_interval_of_what_is_positive_is_positive);
     tcase_add_loop_test(tc, what_is_given_lasts_or_not_as_the_runs_tell, 0, 2);
