@@ -1,6 +1,5 @@
 /* infer_search.c: effects of the catalogue added to a fit, one after the other, by log evidence. */
 #include "infer_search.h"
-#include "base/dense.h"
 #include "explain_lines.h"
 #include "explain_fit.h"
 
@@ -8,17 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-double infer_threshold(const palp_explain_settings *settings) {
-    return log(1.0 / settings->false_alarm - 1.0);
-}
-
-double infer_price(const infer_search *s) {
-    double n = 0.0;
-    for (int i = 0; i < PALP_EFFECT_COUNT; i++)
-        n += s->settings->candidate[i] ? 1.0 : 0.0;
-    return log(fmax(1.0, n));
-}
 
 void infer_trials_free(infer_search *s) {
     for (int i = 0; i < INFER_TRIALS; i++) {
@@ -55,30 +43,6 @@ palp_effect_id infer_added_id(const infer_search *s, size_t i) {
 }
 
 /* ---- one candidate ---- */
-
-palp_status infer_learned(infer_fit *fit, const explain_data *data, size_t i, double *learned) {
-    const palp_model *m = &fit->c.model;
-    const size_t k = fit->k, g = k + INFER_HATS;
-    const palp_effect_info *info = palp_effect_look_up(m->effects[i].id);
-    size_t at = explain_first_column(m, i);
-    for (size_t p = 0; p < info->n_parameters && !info->parameter[p].strength; p++)
-        at += p + 1 < info->n_parameters;
-    infer_posterior p = {.memory = NULL};
-    double log_det, *q = calloc(k * k + g, sizeof *q);
-    palp_status status = q ? infer_prior(fit, data, q, &log_det) : PALP_ERR_NO_MEMORY;
-    if (!status)
-        status = infer_posterior_find(fit, data, &p);
-    if (!status) {
-        double *unit = q + k * k;
-        infer_take_scores(fit, &p);
-        unit[INFER_HATS + at] = 1.0;
-        dense_forward(g, p.factor, 1, unit);
-        *learned = 1.0 - dense_dot(g, unit, unit) * q[at * k + at];
-    }
-    infer_posterior_free(&p);
-    free(q);
-    return status;
-}
 
 /* base with the effect at this start, with the parameters of base; and the reduction of variance there. */
 static palp_status added_at(const infer_search *s, const palp_effect *effect, bool renewed, infer_fit *fit,
@@ -216,14 +180,6 @@ static palp_status try_drive(const infer_search *s, infer_trial *t) {
     return status ? status : infer_fit_evaluate(&t->fit, &s->data);
 }
 
-palp_status infer_approach(const infer_search *s, infer_fit *fit) {
-    enum { EVALUATIONS = 3 };
-    palp_status status = fit->raw ? infer_fit_improve(fit, &s->data, EVALUATIONS) : PALP_OK;
-    if (status)
-        infer_fit_free(fit);
-    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-}
-
 /* The gain of a trial by the better of its fits, which becomes its first. */
 static void rank(const infer_search *s, infer_trial *t) {
     if (t->second.raw && (!t->fit.raw || t->second.score > t->fit.score)) {
@@ -239,17 +195,6 @@ static bool is_stopped(const infer_search *s, infer_trial *t) {
     if (stop)
         t->status = PALP_ERR_STOPPED;
     return stop;
-}
-
-palp_status infer_change(const infer_search *s, const infer_fit *fit, double *rms) {
-    const size_t n = s->data.n;
-    double *left = malloc(2 * n * sizeof *left);
-    palp_status status = left ? infer_residual(fit, &s->data, left, left + n) : PALP_ERR_NO_MEMORY;
-    for (size_t i = 0; i < n && !status; i++)
-        left[i] -= s->residual[i];
-    *rms = status ? 0.0 : explain_fitted_rms(&s->data, left);
-    free(left);
-    return status;
 }
 
 /* How far the trial changes the residual, and how well the runs determine its strength. */
@@ -311,20 +256,6 @@ static void settle_task(void *user, size_t i) {
         infer_fit_free(&t->second);
     if (!t->status && t->fit.raw)
         t->status = examine(s, t);
-}
-
-palp_status infer_settle_with_noise(const infer_search *s, size_t rounds, infer_fit *fit) {
-    infer_fit before;
-    palp_status status = infer_fit_copy(fit, &s->data, &before);
-    if (status)
-        return status;
-    status = infer_fit_settle(fit, &s->data, rounds, true);
-    if (status || fit->score < before.score) {
-        infer_fit_free(fit);
-        *fit = before;
-    } else
-        infer_fit_free(&before);
-    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
 static void finish_task(void *user, size_t i) {
@@ -393,10 +324,6 @@ palp_status infer_try_all(infer_search *s) {
 }
 
 /* ---- sets ---- */
-
-bool infer_is_shown(double share) {
-    return share > 0.5;
-}
 
 bool infer_may_be_named(const infer_search *s, const infer_trial *t) {
     return t->fit.raw && infer_is_shown(t->learned) && t->explained > s->settings->good_enough * s->data.peak;
