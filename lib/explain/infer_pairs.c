@@ -117,9 +117,8 @@ palp_status infer_pair_find(infer_search *s, infer_fit *both, palp_effect_id pai
         double most = -HUGE_VAL;
         for (size_t i = 0; i < PAIRS; i++) {
             place(i, &a, &b);
-            if (p.promised[a][b] > most) {
+            if (p.promised[a][b] > most)
                 most = p.promised[first = a][second = b];
-            }
         }
         if (!(most > -HUGE_VAL))
             break;
