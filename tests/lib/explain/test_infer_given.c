@@ -123,11 +123,14 @@ START_TEST(a_lag_and_an_arm_are_found_together) {
     ck_assert_uint_eq(e.n_effects, 2);
     for (size_t i = 0; i < 2; i++) {
         const palp_effect *found = &e.effect[i].effect;
+        bool arm_alike = false; /* pores may stand for the arm */
+        for (size_t k = 0; k < e.effect[i].n_class; k++)
+            arm_alike = arm_alike || e.effect[i].alike[k] == PALP_EFFECT_RELAXATION_ARM;
         ck_assert_double_gt(e.effect[i].evidence, 20);
         if (found->id == PALP_EFFECT_SENSOR_LAG)
             ck_assert_double_eq_tol(found->value[0], 0.008, 0.003);
         else
-            ck_assert_int_eq(found->id, PALP_EFFECT_RELAXATION_ARM);
+            ck_assert(arm_alike);
     }
     ck_assert_double_eq_tol(e.gap.after_N, NOISE, 0.05 * NOISE);
     palp_explanation_free(&e);
