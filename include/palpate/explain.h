@@ -211,7 +211,7 @@ typedef struct palp_explain_candidate {
 } palp_explain_candidate;
 
 /* A step of the search: every candidate conditional on the effects accepted before, and the one that was
- * taken. */
+ * taken. Two effects that were taken at once have a step each, with the same scores. */
 typedef struct palp_explain_step {
     palp_effect_id taken; /* PALP_EFFECT_COUNT: none */
     size_t n_candidates;

@@ -39,7 +39,7 @@ typedef struct palp_law {
     double coefficients[PALP_LAW_MAX]; /* N (polynomial, spline), Pa (hyperelastic; Ogden's alpha: 1) */
     double strain[PALP_LAW_MAX];       /* spline only: knots, strain[0] = 0, increasing */
     double slope[PALP_LAW_MAX];        /* spline only: dK/da at the knots, N; derived by the maker */
-    double energy[PALP_LAW_MAX];       /* spline only: of a unit height up to the knots, N; likewise */
+    double energy[PALP_LAW_MAX];       /* spline only: integral of K(a) a da to the knots, N; likewise */
     double area_m2;                    /* hyperelastic only: initial cross-section */
     /* Largest |strain| of the measurement; beyond it the force continues along its tangent (palp_law_limit).
      * 0 = not known: the formula of the kind holds everywhere. */

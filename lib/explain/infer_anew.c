@@ -131,25 +131,17 @@ static void list_best(const anew *a, size_t n, int *list) {
     }
 }
 
-static palp_status each(anew *a, void (*task)(void *, size_t)) {
-    explain_each(a->s->settings, PALP_EFFECT_COUNT, task, a, a->status);
-    for (int k = 0; k < PALP_EFFECT_COUNT; k++)
-        if (a->status[k])
-            return a->status[k];
-    return PALP_OK;
-}
-
 /* The best of all, with its noise and sizes estimated; PALP_EFFECT_COUNT: there is none. */
 static palp_status find_best(anew *a, int *best) {
     const explain_data *data = &a->s->data;
     int promising[PROMISING], finalist[FINALISTS];
     *best = PALP_EFFECT_COUNT;
-    palp_status status = each(a, try_anew);
+    palp_status status = explain_each(a->s->settings, PALP_EFFECT_COUNT, try_anew, a, a->status);
     list_best(a, PROMISING, promising);
     a->promising =
         promising[PROMISING - 1] == PALP_EFFECT_COUNT ? -HUGE_VAL : a->fit[promising[PROMISING - 1]].score;
     if (!status)
-        status = each(a, go_on);
+        status = explain_each(a->s->settings, PALP_EFFECT_COUNT, go_on, a, a->status);
     list_best(a, FINALISTS, finalist);
     for (int k = 0; k < FINALISTS && finalist[k] != PALP_EFFECT_COUNT && !status; k++)
         status = keep_if_had(&a->fit[finalist[k]], infer_fit_anneal(&a->fit[finalist[k]], data, ROUNDS));

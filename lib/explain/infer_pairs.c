@@ -12,7 +12,7 @@ enum { BEST = 10, PAIRS = BEST * (BEST - 1) / 2, FINALISTS = 3 };
 typedef struct pairs {
     const infer_search *s;
     const infer_trial *trial[BEST]; /* NULL: there are no more */
-    double promised[BEST][BEST];    /* predicted log evidence */
+    double promised[PAIRS];         /* predicted log evidence */
     palp_status status[PAIRS];
 } pairs;
 
@@ -65,13 +65,14 @@ static void evaluate_pair(void *user, size_t i) {
     size_t a, b;
     infer_fit fit;
     place(i, &a, &b);
-    p->promised[a][b] = -HUGE_VAL;
+    p->promised[i] = -HUGE_VAL;
     if (!p->trial[a] || !p->trial[b] ||
         (p->s->settings->stop && p->s->settings->stop(p->s->settings->stop_user)))
         return;
-    p->status[i] = add_both(p->s, p->trial[a], p->trial[b], &fit);
-    if (!p->status[i]) {
-        p->promised[a][b] = fit.promised;
+    const palp_status status = add_both(p->s, p->trial[a], p->trial[b], &fit);
+    p->status[i] = status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+    if (!status) {
+        p->promised[i] = fit.promised;
         infer_fit_free(&fit);
     }
 }
@@ -106,24 +107,17 @@ static palp_status settle(const infer_search *s, infer_fit *fit) {
 
 palp_status infer_pair_find(infer_search *s, infer_fit *both, palp_effect_id pair[2]) {
     pairs p = {.s = s};
-    palp_status status = PALP_OK;
     list_best(&p);
-    explain_each(s->settings, PAIRS, evaluate_pair, &p, p.status);
-    for (size_t i = 0; i < PAIRS; i++)
-        if (p.status[i] == PALP_ERR_NO_MEMORY)
-            return p.status[i];
+    palp_status status = explain_each(s->settings, PAIRS, evaluate_pair, &p, p.status);
     for (int k = 0; k < FINALISTS && !status; k++) {
-        size_t a, b, first = 0, second = 0;
-        double most = -HUGE_VAL;
-        for (size_t i = 0; i < PAIRS; i++) {
-            place(i, &a, &b);
-            if (p.promised[a][b] > most)
-                most = p.promised[first = a][second = b];
-        }
-        if (!(most > -HUGE_VAL))
-            break;
-        p.promised[first][second] = -HUGE_VAL;
+        size_t first, second, best = 0;
         infer_fit fit;
+        for (size_t i = 1; i < PAIRS; i++)
+            best = p.promised[i] > p.promised[best] ? i : best;
+        if (!(p.promised[best] > -HUGE_VAL))
+            break;
+        p.promised[best] = -HUGE_VAL;
+        place(best, &first, &second);
         status = add_both(s, p.trial[first], p.trial[second], &fit);
         if (!status)
             status = settle(s, &fit);
