@@ -21,7 +21,7 @@ typedef enum palp_free_kind {
                                 depth */
     PALP_FREE_RUN,           /* time since the first sample, s */
     PALP_FREE_EARLY,         /* its logarithm */
-    PALP_FREE_AGEING,        /* time since the first sample, s; in proportion to the depth */
+    PALP_FREE_AGEING,        /* time since the first sample, s; in proportion to the force of the plate */
     PALP_FREE_SPEED,         /* asinh(speed / slow_m_s), positive on the way in */
     PALP_FREE_PRESSED_SPEED, /* the same, in proportion to the depth */
     PALP_FREE_TURN,          /* way since the plate last turned, m; in proportion to the depth, and with the
@@ -54,7 +54,7 @@ typedef struct palp_free_term {
     double depth_m;  /* at which a force in proportion to the depth is that of the table; of a RESPONSE,
                         depth_m / to is the change of speed to which the table belongs */
     double slow_m_s; /* of a speed */
-    double plate_N;  /* of a GAIN: the force of the plate at which the table holds; otherwise 0 */
+    double plate_N;  /* in proportion to the force of the plate: at which the table holds; otherwise 0 */
     double force_N[PALP_FREE_NODES], sd_N[PALP_FREE_NODES];
 } palp_free_term;
 

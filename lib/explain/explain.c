@@ -238,6 +238,8 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
         status = infer_fit_converge(&s->fit, &s->data);
     if (!status)
         status = infer_search_drop(s);
+    if (!status)
+        status = infer_free_review(s, e);
     tell(s, INFER_SEARCH_SHARE - s->told);
     if (!status)
         status = describe(s, model, e);

@@ -77,4 +77,8 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e);
  * verdict is unexplained then. The fit at hand stays as it is. */
 palp_status infer_free_find(const infer_search *s, palp_explanation *e);
 
+/* Removes effects of the fit at hand whose evidence beside its free terms is below the threshold: they stand
+ * for what has no name. Their candidates get the reason, and e->gap what is left of runs left out. */
+palp_status infer_free_review(infer_search *s, palp_explanation *e);
+
 #endif

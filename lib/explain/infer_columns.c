@@ -2,6 +2,7 @@
  * dwell, and of the height of a withdrawing plate, which a specimen may follow. Each is a natural cubic
  * spline, 1 at one node of a grid and 0 at the others; they are called hats for short. */
 #include "infer_internal.h"
+#include "model/model_internal.h"
 #include "response/free_term.h"
 
 #include <math.h>
@@ -107,7 +108,7 @@ palp_status infer_free_term(const explain_data *data, palp_free_kind kind, int l
     *term = (palp_free_term){.kind = kind,
                              .depth_m = data->deepest,
                              .slow_m_s = data->stride / data->step,
-                             .plate_N = kind == PALP_FREE_GAIN ? data->peak : 0.0};
+                             .plate_N = palp_model_free_of_force(kind) ? data->peak : 0.0};
     find_range(data, kind, &term->from, &term->to);
     if (kind == PALP_FREE_RESPONSE) {
         term->to = ldexp(term->to, longer);

@@ -5,6 +5,7 @@
 #include "response/free_term.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,7 +38,7 @@ static palp_status learn(infer_fit *fit, const explain_data *data, size_t rounds
 /* One term more beside a fit; fit.raw NULL: there is none. */
 typedef struct trial {
     infer_fit fit;
-    double evidence; /* that all runs share it, nats */
+    double evidence; /* over the fit without it, nats */
     palp_status status;
 } trial;
 
@@ -47,6 +48,15 @@ typedef struct terms {
     trial trial[TRIALS];
     palp_status status[TRIALS];
 } terms;
+
+/* One term more, of the first sizes. */
+static void put_term(infer_fit *fit, const explain_data *data, const palp_free_term *term) {
+    const infer_sizes first = infer_sizes_first(data);
+    const size_t d = fit->n_terms++;
+    fit->term[d] = *term;
+    memcpy(fit->sizes.common[d], first.common[0], sizeof first.common[0]);
+    memcpy(fit->sizes.each[d], first.each[0], sizeof first.each[0]);
+}
 
 static bool has_term(const infer_fit *fit, palp_free_kind kind) {
     for (size_t d = 0; d < fit->n_terms; d++)
@@ -70,11 +80,7 @@ static void try_kind(void *user, size_t i) {
     t->status[i] = infer_fit_copy(&t->fit, data, &one->fit);
     if (t->status[i])
         return;
-    const infer_sizes first = infer_sizes_first(data);
-    const size_t d = one->fit.n_terms++;
-    one->fit.term[d] = term;
-    memcpy(one->fit.sizes.common[d], first.common[0], sizeof first.common[0]);
-    memcpy(one->fit.sizes.each[d], first.each[0], sizeof first.each[0]);
+    put_term(&one->fit, data, &term);
     t->status[i] = take_hats(&one->fit, data);
     if (!t->status[i])
         t->status[i] = learn(&one->fit, data, ROUNDS, EVALUATIONS);
@@ -85,21 +91,36 @@ static void try_kind(void *user, size_t i) {
     t->status[i] = PALP_OK;
 }
 
+/* What the sizes of term d cost, and its kind, nats. */
+static palp_status find_cost(const infer_fit *fit, const infer_search *s, size_t d, bool own, double *nats) {
+    infer_fit work;
+    palp_status status = infer_fit_copy(fit, &s->data, &work);
+    if (status)
+        return status;
+    *nats = log(TRIALS);
+    for (size_t l = 0; l < INFER_LENGTHS && !status; l++) {
+        status = infer_size_cost(&work, &s->data, &work.sizes.common[d][l], nats);
+        if (!status && own)
+            status = infer_size_cost(&work, &s->data, &work.sizes.each[d][l], nats);
+    }
+    infer_fit_free(&work);
+    return status;
+}
+
 /* Log odds of the fit over one whose runs do not share term d. The prior cost of the term's sizes and of its
  * kind is taken off. */
 static palp_status weigh(const infer_fit *fit, const infer_search *s, size_t d, double *nats) {
     enum { ROUNDS = 12, EVALUATIONS = 15 };
     infer_fit without;
-    double cost = 0.0;
-    palp_status status = infer_fit_copy(fit, &s->data, &without);
+    double cost;
+    palp_status status = find_cost(fit, s, d, false, &cost);
+    if (!status)
+        status = infer_fit_copy(fit, &s->data, &without);
     if (status)
         return status;
-    for (size_t l = 0; l < INFER_LENGTHS && !status; l++)
-        status = infer_size_cost(&without, &s->data, &without.sizes.common[d][l], &cost);
     memset(without.sizes.common[d], 0, sizeof without.sizes.common[d]);
-    if (!status)
-        status = learn(&without, &s->data, ROUNDS, EVALUATIONS);
-    *nats = fit->promised - without.promised - cost - log(TRIALS);
+    status = learn(&without, &s->data, ROUNDS, EVALUATIONS);
+    *nats = fit->promised - without.promised - cost;
     infer_fit_free(&without);
     return status;
 }
@@ -114,12 +135,16 @@ static void weigh_kind(void *user, size_t i) {
     if (!one->fit.raw || better >= FINALISTS || !isfinite(one->fit.promised))
         return;
     infer_fit last;
+    double cost;
     t->status[i] = infer_fit_copy(&one->fit, &t->s->data, &last); /* the others look at the trial's score */
     if (t->status[i])
         return;
+    const size_t d = last.n_terms - 1;
     t->status[i] = learn(&last, &t->s->data, ROUNDS, EVALUATIONS);
-    if (!t->status[i] && infer_any(last.sizes.common[last.n_terms - 1]))
-        t->status[i] = weigh(&last, t->s, last.n_terms - 1, &one->evidence);
+    if (!t->status[i] && infer_any(last.sizes.common[d])) {
+        t->status[i] = find_cost(&last, t->s, d, true, &cost);
+        one->evidence = last.promised - t->fit.promised - cost;
+    }
     infer_fit_free(&last);
     if (t->status[i] && t->status[i] != PALP_ERR_NO_MEMORY) {
         one->evidence = -HUGE_VAL;
@@ -144,7 +169,37 @@ static void keep_one_response(terms *t) {
     }
 }
 
-/* Adds the most certain further term to the fit at hand. found: its evidence exceeds the threshold. */
+/* A fit with these terms from the model as given: law and arms of the fit at hand may have absorbed what they
+ * are to follow. *fit becomes the more probable one. */
+static palp_status begin_anew(const infer_search *s, infer_fit *fit) {
+    enum { ROUNDS = 6, SIZES = 12, NOISE = 15, SETTLED = 4 };
+    const explain_data *data = &s->data;
+    palp_model model = fit->c.model;
+    infer_fit anew;
+    model.material = data->given->material;
+    palp_status status = infer_fit_create(&model, data, NULL, &anew);
+    if (status)
+        return status;
+    anew.c.renewed = fit->c.renewed;
+    anew.free = true;
+    memset(anew.sizes.common, 0, sizeof anew.sizes.common);
+    memset(anew.sizes.each, 0, sizeof anew.sizes.each);
+    for (size_t d = 0; d < fit->n_terms; d++)
+        put_term(&anew, data, &fit->term[d]);
+    status = infer_fit_anneal(&anew, data, ROUNDS);
+    if (!status)
+        status = learn(&anew, data, SIZES, NOISE);
+    if (!status)
+        status = infer_fit_settle(&anew, data, SETTLED, true);
+    if (!status)
+        status = infer_fit_converge(&anew, data);
+    if (!status && anew.score > fit->score)
+        infer_fit_exchange(fit, &anew);
+    infer_fit_free(&anew);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* Adds the most probable further term to the fit at hand. found: its evidence exceeds the threshold. */
 static palp_status add_term(terms *t, bool *found) {
     enum { EVALUATIONS = 5 };
     const infer_search *s = t->s;
@@ -161,7 +216,7 @@ static palp_status add_term(terms *t, bool *found) {
         status = infer_fit_improve(&t->fit, &s->data, EVALUATIONS);
     }
     free_trials(t);
-    return status;
+    return *found && !status ? begin_anew(s, &t->fit) : status;
 }
 
 /* Without term d. */
@@ -227,25 +282,43 @@ static palp_status add_left(const infer_fit *fit, explain_data *data, size_t r, 
     return status;
 }
 
+/* Residual of the runs left out, rms, with what all others share: a run's own part of a term is no
+ * prediction.
+ */
+static palp_status find_left(const infer_fit *fit, explain_data *data, double *rms) {
+    const bool each = explain_fitted_runs(data) == data->n_runs;
+    double squares = 0.0, count = 0.0;
+    infer_fit shared;
+    palp_status status = infer_fit_copy(fit, data, &shared);
+    if (status)
+        return status;
+    memset(shared.sizes.each, 0, sizeof shared.sizes.each);
+    status = infer_fit_products(&shared, data);
+    for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n) {
+        if (!each && !data->run[r].held_out)
+            continue;
+        status = add_left(&shared, data, r, at, &squares);
+        count += (double)data->run[r].n;
+    }
+    infer_fit_free(&shared);
+    *rms = count > 0.0 ? sqrt(squares / count) : 0.0;
+    return status;
+}
+
 /* Whether the terms improve the prediction of runs left out, and which share of the gap they close. */
 static palp_status confirm(const infer_fit *fit, const infer_fit *without, const infer_search *s,
                            palp_explain_free *out, bool *better) {
     explain_data data = s->data; /* its runs are marked as held out in turn */
     infer_left_out with = {.n = 0}, plain = {.n = 0};
-    double squares = 0.0, count = 0.0, se;
+    double se;
     palp_status status = infer_leave_out(fit, &data, &with);
     if (!status)
         status = infer_leave_out(without, &data, &plain);
     *better = !status && infer_predicts_better(&with, &plain, &se) > 0.0;
-    const bool each = explain_fitted_runs(&data) == data.n_runs;
-    for (size_t r = 0, at = 0; r < data.n_runs && plain.rms_N > 0.0 && !status; at += data.run[r++].n) {
-        if (!each && !data.run[r].held_out)
-            continue;
-        status = add_left(fit, &data, r, at, &squares);
-        count += (double)data.run[r].n;
-    }
     out->heldout_before_N = plain.rms_N;
-    out->heldout_after_N = count > 0.0 ? sqrt(squares / count) : 0.0;
+    out->heldout_after_N = 0.0;
+    if (!status && plain.rms_N > 0.0)
+        status = find_left(fit, &data, &out->heldout_after_N);
     double slow = 0.0;
     for (int a = 0; a < INFER_SLOW; a++)
         slow += fit->noise.slow[a] * fit->noise.slow[a];
@@ -419,13 +492,12 @@ static palp_status begin(const infer_search *s, infer_fit *fit) {
     return status;
 }
 
-palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
+/* The terms that are certain beside the effects of a search, into *fit, which is the caller's to free; its
+ * raw is NULL where there is none. out: their evidence, and what they do to runs left out. */
+static palp_status find_terms(const infer_search *s, infer_fit *fit, palp_explain_free *out) {
     infer_fit without = {.raw = NULL};
-    double evidence[PALP_FREE_TERMS];
     bool found = true, better = false;
-    e->free.resembles = PALP_EFFECT_COUNT;
-    if (s->data.law_alone || e->gap.after_N <= s->settings->good_enough * s->data.peak)
-        return PALP_OK; /* below the practical limit */
+    memset(fit, 0, sizeof *fit);
     terms *t = calloc(1, sizeof *t);
     if (!t)
         return PALP_ERR_NO_MEMORY;
@@ -438,23 +510,104 @@ palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
     if (!status && t->fit.n_terms > 0)
         status = infer_fit_converge(&t->fit, &s->data);
     if (!status)
-        status = drop_uncertain(&t->fit, s, evidence);
+        status = drop_uncertain(&t->fit, s, out->evidence);
     if (!status && t->fit.n_terms > 0)
-        status = confirm(&t->fit, &without, s, &e->free, &better);
-    if (!status && !better)
-        e->free = (palp_explain_free){.resembles = PALP_EFFECT_COUNT};
-    if (!status && better) {
-        memcpy(e->free.evidence, evidence, sizeof evidence);
-        e->free.resembles = find_nearest(e);
-        status = write_model(&t->fit, s, e);
-        e->verdict = status ? e->verdict : PALP_EXPLAIN_UNEXPLAINED;
-    }
-    if (status) /* a fit that fails or is stopped gives no term; all other results stay */
-        e->free = (palp_explain_free){.resembles = PALP_EFFECT_COUNT};
+        status = confirm(&t->fit, &without, s, out, &better);
+    if (!status && better)
+        infer_fit_exchange(fit, &t->fit);
     if (t->fit.raw)
         infer_fit_free(&t->fit);
     if (without.raw)
         infer_fit_free(&without);
     free(t);
+    return status;
+}
+
+palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
+    static const palp_explain_free none = {.resembles = PALP_EFFECT_COUNT};
+    infer_fit fit;
+    e->free = none;
+    if (s->data.law_alone || e->gap.after_N <= s->settings->good_enough * s->data.peak)
+        return PALP_OK; /* below the practical limit */
+    palp_status status = find_terms(s, &fit, &e->free);
+    const bool some = !status && fit.raw;
+    if (some) {
+        e->free.resembles = find_nearest(e);
+        status = write_model(&fit, s, e);
+    }
+    if (some && !status)
+        e->verdict = PALP_EXPLAIN_UNEXPLAINED;
+    else /* a fit that fails or is stopped gives no term; all other results stay */
+        e->free = none;
+    if (fit.raw)
+        infer_fit_free(&fit);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* ---- effects beside the terms ---- */
+
+/* Log evidence of a fit with terms, less the prior costs of their kinds and sizes, nats. */
+static palp_status find_value(const infer_fit *fit, const infer_search *s, double *nats) {
+    palp_status status = PALP_OK;
+    *nats = fit->score;
+    for (size_t d = 0; d < fit->n_terms && !status; d++) {
+        double cost;
+        status = find_cost(fit, s, d, true, &cost);
+        *nats -= status ? 0.0 : cost;
+    }
+    return status;
+}
+
+/* Goes on without an effect if the terms that are certain without it are as good: with it and its own terms
+ * the evidence is not larger by the threshold. */
+static palp_status drop_needless(infer_search *s, const infer_fit *with, palp_explanation *e, bool *dropped) {
+    double own, other;
+    palp_status status = find_value(with, s, &own);
+    *dropped = false;
+    for (size_t i = infer_added(s); i-- > 0 && !status && !*dropped;) {
+        const palp_effect_id id = infer_added_id(s, i);
+        infer_search rest;
+        infer_fit fit = {.raw = NULL};
+        palp_explain_free out;
+        status = infer_search_without(s, i, &rest);
+        if (!status)
+            status = find_terms(&rest, &fit, &out);
+        if (!status && fit.raw)
+            status = find_value(&fit, &rest, &other);
+        *dropped = !status && fit.raw && own - infer_price(s) - other < infer_threshold(s->settings);
+        if (*dropped)
+            infer_search_go_on(s, &rest);
+        for (size_t k = 0; k < e->n_candidates && *dropped; k++)
+            if (e->candidate[k].id == id)
+                snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
+                         "is not needed beside a free term");
+        if (fit.raw)
+            infer_fit_free(&fit);
+        infer_search_free(&rest);
+    }
+    return status;
+}
+
+palp_status infer_free_review(infer_search *s, palp_explanation *e) {
+    palp_status status = PALP_OK;
+    for (bool dropped = true; dropped && infer_added(s) > 0 && !status;) {
+        palp_explain_free out;
+        infer_left_out left = {.n = 0};
+        infer_fit fit;
+        dropped = false;
+        status = find_terms(s, &fit, &out);
+        if (!status && fit.raw)
+            status = drop_needless(s, &fit, e, &dropped);
+        if (fit.raw)
+            infer_fit_free(&fit);
+        if (status || !dropped)
+            break;
+        status = infer_fit_converge(&s->fit, &s->data);
+        if (!status)
+            status = infer_leave_out(&s->fit, &s->data, &left);
+        if (!status)
+            e->gap.heldout_after_N = left.rms_N;
+        infer_left_out_free(&left);
+    }
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }

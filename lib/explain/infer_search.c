@@ -389,7 +389,7 @@ static double worth_over(const infer_search *s, const infer_search *rest) {
     return s->fit.score - infer_price(s) - rest->fit.score;
 }
 
-static void go_on_from(infer_search *s, infer_search *rest) {
+void infer_search_go_on(infer_search *s, infer_search *rest) {
     forget_without(s);
     infer_fit_free(&s->fit);
     s->fit = rest->fit;
@@ -399,7 +399,7 @@ static void go_on_from(infer_search *s, infer_search *rest) {
 
 void infer_search_exchange(infer_search *s, infer_search *rest, int id) {
     take(rest, id);
-    go_on_from(s, rest);
+    infer_search_go_on(s, rest);
 }
 
 /* Removes an effect whose evidence is below the threshold, or exchanges one for a better one. A single one
@@ -422,7 +422,7 @@ static palp_status review(infer_search *s, bool *changed) {
                 take(&rest, best);
         }
         if (*changed)
-            go_on_from(s, &rest);
+            infer_search_go_on(s, &rest);
         infer_search_free(&rest);
     }
     return status;
@@ -434,7 +434,7 @@ palp_status infer_search_drop(infer_search *s) {
         infer_search rest;
         status = infer_search_without(s, i, &rest);
         if (!status && worth_over(s, &rest) < infer_threshold(s->settings)) {
-            go_on_from(s, &rest);
+            infer_search_go_on(s, &rest);
             status = infer_fit_converge(&s->fit, &s->data);
         } else if (!status)
             infer_fit_exchange(&s->without[i], &rest.fit);

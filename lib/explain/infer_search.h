@@ -82,7 +82,8 @@ palp_status infer_search_anew(infer_search *s, const infer_fit *base);
  * first. */
 palp_status infer_search_drop(infer_search *s);
 
-/* Goes on with this trial of a search without an effect. */
+/* Goes on with a search without an effect; or with this trial of it. */
+void infer_search_go_on(infer_search *s, infer_search *rest);
 void infer_search_exchange(infer_search *s, infer_search *rest, int id);
 
 /* Whether a trial has a fit whose strength the runs determine, above the practical limit. */

@@ -228,8 +228,10 @@ static palp_status settle_all(infer_fit *fit, const explain_data *data) {
 
 palp_status infer_fit_anneal(infer_fit *fit, const explain_data *data, size_t rounds) {
     enum { EVALUATIONS = 4 };
-    memset(fit->sizes.common, 0, sizeof fit->sizes.common);
-    memset(fit->sizes.each, 0, sizeof fit->sizes.each);
+    if (!fit->free) {
+        memset(fit->sizes.common, 0, sizeof fit->sizes.common);
+        memset(fit->sizes.each, 0, sizeof fit->sizes.each);
+    }
     palp_status status = infer_fit_evaluate(fit, data);
     for (size_t i = 0; i <= rounds && !status; i++) {
         infer_posterior p;

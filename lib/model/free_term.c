@@ -1,8 +1,7 @@
 /* free_term.c: names of free terms, and whether one is within bounds. */
-#include <palpate/free_term.h>
+#include "model_internal.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 enum { N = PALP_FREE_NODES };
 
@@ -11,7 +10,7 @@ static const char *const kinds[PALP_FREE_KINDS] = {"depth_loading",
                                                    "time_in_dwell",
                                                    "time_in_run",
                                                    "early_in_run",
-                                                   "time_in_run_pressed",
+                                                   "time_in_run_times_force",
                                                    "speed",
                                                    "speed_pressed",
                                                    "way_since_turn",
@@ -30,12 +29,16 @@ const char *palp_free_class_name(palp_free_class class_) {
     return (unsigned)class_ < PALP_FREE_CLASSES ? names[class_] : "unknown";
 }
 
+bool palp_model_free_of_force(palp_free_kind kind) {
+    return kind == PALP_FREE_AGEING || kind == PALP_FREE_GAIN;
+}
+
 palp_status palp_free_term_check(const palp_free_term *t) {
     if (!t || (unsigned)t->kind >= PALP_FREE_KINDS || (unsigned)t->does >= PALP_FREE_CLASSES)
         return PALP_ERR_ARGUMENT;
     bool good = isfinite(t->from) && isfinite(t->to) && t->from < t->to && t->depth_m > 0.0 &&
                 isfinite(t->depth_m) && t->slow_m_s > 0.0 && isfinite(t->slow_m_s);
-    good = good && isfinite(t->plate_N) && (t->kind != PALP_FREE_GAIN || t->plate_N > 0.0);
+    good = good && isfinite(t->plate_N) && (!palp_model_free_of_force(t->kind) || t->plate_N > 0.0);
     for (int a = 0; a < N; a++)
         good = good && isfinite(t->force_N[a]) && t->sd_N[a] >= 0.0 && isfinite(t->sd_N[a]);
     return good ? PALP_OK : PALP_ERR_ARGUMENT;

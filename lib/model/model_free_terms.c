@@ -63,13 +63,13 @@ static palp_status read_table(const palp_json *at, const char *key, double *valu
 static palp_status read_one(const palp_json *at, palp_free_term *term) {
     static const char *const keys[] = {
         "depends_on", "class",   "from", "to",     "depth_mm",
-        "slow_mm_s",  "force_N", "sd_N", "plate_N"}; /* the last of a gain alone */
+        "slow_mm_s",  "force_N", "sd_N", "plate_N"}; /* the last of a factor on the force alone */
     const size_t n = sizeof keys / sizeof *keys;
     size_t kind = 0, does = 0;
     memset(term, 0, sizeof *term);
     palp_status status = read_name(at, "depends_on", PALP_FREE_KINDS, kind_of, &kind);
     if (!status)
-        status = palp_json_keys(at, kind == PALP_FREE_GAIN ? n : n - 1, keys);
+        status = palp_json_keys(at, palp_model_free_of_force((palp_free_kind)kind) ? n : n - 1, keys);
     if (!status)
         status = read_name(at, "class", PALP_FREE_CLASSES, class_of, &does);
     if (status)
@@ -84,7 +84,7 @@ static palp_status read_one(const palp_json *at, palp_free_term *term) {
         status = read_length(at, "depth_mm", &term->depth_m);
     if (!status)
         status = read_length(at, "slow_mm_s", &term->slow_m_s);
-    if (!status && term->kind == PALP_FREE_GAIN)
+    if (!status && palp_model_free_of_force(term->kind))
         status = read_number(at, "plate_N", 1.0, &term->plate_N);
     if (!status)
         status = read_table(at, "force_N", term->force_N);

@@ -31,6 +31,9 @@ palp_status palp_model_free_terms_check(const palp_model *model, palp_error *err
 /* Units of the ends of a kind's grid in a file: 1, or mm where they are metres. */
 double palp_model_free_unit(palp_free_kind kind);
 
+/* Whether the force of a kind is in proportion to that of the plate. (free_term.c) */
+bool palp_model_free_of_force(palp_free_kind kind);
+
 /* Rows of a material's covariance: coefficients of the law, then K_j and b_j of each arm. */
 size_t palp_model_covariance_size(const palp_material *material);
 bool palp_model_covariance_valid(size_t n, const double *covariance);

@@ -242,7 +242,7 @@ static void print_free_terms(const writer *w, const palp_model *model) {
         print_quantity_in_unit(w, ", \"to\": ", t->to, unit);
         print_length_in_mm(w, ", \"depth_mm\": ", t->depth_m);
         print_length_in_mm(w, ", \"slow_mm_s\": ", t->slow_m_s);
-        if (t->kind == PALP_FREE_GAIN)
+        if (palp_model_free_of_force(t->kind))
             print_quantity_in_unit(w, ", \"plate_N\": ", t->plate_N, 1.0);
         print_number_list(w, ", \"force_N\": ", PALP_FREE_NODES, t->force_N);
         print_number_list(w, ", \"sd_N\": ", PALP_FREE_NODES, t->sd_N);

@@ -1,6 +1,7 @@
 /* forward.c: forward model of a recording: all parameters in one vector, and the run of the whole chain. */
 #include "base/file.h"
 #include "forward_internal.h"
+#include "model/model_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -293,7 +294,7 @@ palp_status forward_add_free(const palp_model *model, const palp_forward_run *ru
         const palp_free_term *t = &model->free_term[i];
         status = palp_free_term_add(t, run->n, run->time_s, run->depth_m, model->height_m, run->session_s,
                                     force_N);
-        if (!status && gradient && t->kind == PALP_FREE_GAIN)
+        if (!status && gradient && palp_model_free_of_force(t->kind))
             status = scale_gradient(t, model, run, columns, gradient);
     }
     return status;

@@ -1,6 +1,7 @@
 /* free_term.c: forces that depend on the path of the plate by a table. */
 #include "free_term.h"
 #include "data/segments_internal.h"
+#include "model/model_internal.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -17,7 +18,6 @@ typedef struct kind_row {
 static const kind_row kinds[PALP_FREE_KINDS] = {
     [PALP_FREE_DWELL] = {.logarithm = true, .pressed = true},
     [PALP_FREE_EARLY] = {.logarithm = true},
-    [PALP_FREE_AGEING] = {.pressed = true},
     [PALP_FREE_SPEED] = {.both_signs = true},
     [PALP_FREE_PRESSED_SPEED] = {.pressed = true, .both_signs = true},
     [PALP_FREE_TURN] = {.pressed = true},
@@ -119,9 +119,9 @@ static palp_status place(const palp_free_term *t, size_t n, const double *time, 
                          double height, double session, const double *force, double *at, double *weight) {
     palp_status status = PALP_OK;
     for (size_t i = 0; i < n; i++)
-        weight[i] = t->kind == PALP_FREE_GAIN ? force[i] / t->plate_N
-                    : kinds[t->kind].pressed  ? fmax(0.0, depth[i]) / t->depth_m
-                                              : 1.0;
+        weight[i] = palp_model_free_of_force(t->kind) ? force[i] / t->plate_N
+                    : kinds[t->kind].pressed          ? fmax(0.0, depth[i]) / t->depth_m
+                                                      : 1.0;
     switch (t->kind) {
     case PALP_FREE_LOADING:
     case PALP_FREE_UNLOADING:

@@ -15,7 +15,7 @@ static const struct {
     {"the time in a dwell, in proportion to the depth", "s", 1},
     {"the time in the run", "s", 1},
     {"the time in the run, early in it", "s", 1},
-    {"the time in the run, in proportion to the depth", "s", 1},
+    {"the time in the run, in proportion to the force of the plate", "s", 1},
     {"the speed", "mm/s", 1e-3},
     {"the speed, in proportion to the depth", "mm/s", 1e-3},
     {"the way since the plate turned, in proportion to the depth", "mm", 1e-3},

@@ -103,21 +103,22 @@ START_TEST(damage_of_other_laws) {
 }
 END_TEST
 
-/* Of the free terms only the gain has to do with the derivatives. */
-START_TEST(a_gain_by_the_place) {
+/* Of the free terms only the factors on the force have to do with the derivatives. */
+START_TEST(gains_by_the_place_and_the_time) {
     static samples s;
     palp_model m = lumped_model(2);
     all_phases(&s, 12);
     add_telling(&m, PALP_EFFECT_FRAME_COMPLIANCE);
-    m.n_free = 2;
+    static const palp_free_kind kind[] = {PALP_FREE_SPEED, PALP_FREE_GAIN, PALP_FREE_AGEING};
+    m.n_free = sizeof kind / sizeof *kind;
     for (size_t i = 0; i < m.n_free; i++) {
-        m.free_term[i] = (palp_free_term){
-            .kind = i ? PALP_FREE_GAIN : PALP_FREE_SPEED, .to = 6e-3, .depth_m = 6e-3, .slow_m_s = 1e-3};
+        m.free_term[i] =
+            (palp_free_term){.kind = kind[i], .to = i == 1 ? 6e-3 : 5, .depth_m = 6e-3, .slow_m_s = 1e-3};
         m.free_term[i].plate_N = i ? 2.5 : 0;
         for (int a = 0; a < PALP_FREE_NODES; a++)
             m.free_term[i].force_N[a] = 0.8 * sin(0.5 * a + (double)i);
     }
-    check_gradient("a gain by the place", &m, &s, 1e-4, 2e-6);
+    check_gradient("gains by the place and the time", &m, &s, 1e-4, 2e-6);
 }
 END_TEST
 
@@ -126,5 +127,5 @@ void tests(TCase *tc) {
     tcase_add_loop_test(tc, every_effect_alone, 0, PALP_EFFECT_COUNT);
     tcase_add_loop_test(tc, effects_together, 0, 4);
     tcase_add_test(tc, damage_of_other_laws);
-    tcase_add_test(tc, a_gain_by_the_place);
+    tcase_add_test(tc, gains_by_the_place_and_the_time);
 }
