@@ -222,6 +222,7 @@ static palp_status describe(infer_search *s, const palp_model *model, palp_expla
 }
 
 static palp_status infer(infer_search *s, const palp_model *model, palp_explanation *e) {
+    infer_fit terms = {.raw = NULL};
     palp_status status = begin(s, model);
     if (!status)
         status = infer_fit_converge(&s->fit, &s->data);
@@ -239,7 +240,9 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
     if (!status)
         status = infer_search_drop(s);
     if (!status)
-        status = infer_free_review(s, e);
+        status = infer_keep_given_arms(s);
+    if (!status)
+        status = infer_free_find(s, e, &terms);
     tell(s, INFER_SEARCH_SHARE - s->told);
     if (!status)
         status = describe(s, model, e);
@@ -250,7 +253,9 @@ static palp_status infer(infer_search *s, const palp_model *model, palp_explanat
     if (!status)
         status = conclude(s, model, e);
     if (!status)
-        status = infer_free_find(s, e);
+        status = infer_free_take(s, e, &terms);
+    if (terms.raw)
+        infer_fit_free(&terms);
     tell(s, 0.1);
     return status;
 }

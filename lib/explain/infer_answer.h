@@ -73,12 +73,14 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e);
 
 /* ---- free terms (infer_free.c) ---- */
 
-/* What all runs share of what no effect follows, where it is certain: e->free, and e->model with it, whose
- * verdict is unexplained then. The fit at hand stays as it is. */
-palp_status infer_free_find(const infer_search *s, palp_explanation *e);
+/* What all runs share of what no effect follows, where it is certain, as a fit with terms: *found is the
+ * caller's to free, its raw NULL where there is none. Effects of the fit at hand that the terms make needless
+ * are removed: they stand for what has no name. Their candidates get the reason, and e->gap what is left of
+ * runs left out. */
+palp_status infer_free_find(infer_search *s, palp_explanation *e, infer_fit *found);
 
-/* Removes effects of the fit at hand whose evidence beside its free terms is below the threshold: they stand
- * for what has no name. Their candidates get the reason, and e->gap what is left of runs left out. */
-palp_status infer_free_review(infer_search *s, palp_explanation *e);
+/* Writes these terms into e->free and e->model, whose verdict is unexplained then. Where another effect took
+ * the place of one, they are found anew. */
+palp_status infer_free_take(const infer_search *s, palp_explanation *e, infer_fit *found);
 
 #endif

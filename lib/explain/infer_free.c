@@ -523,27 +523,6 @@ static palp_status find_terms(const infer_search *s, infer_fit *fit, palp_explai
     return status;
 }
 
-palp_status infer_free_find(const infer_search *s, palp_explanation *e) {
-    static const palp_explain_free none = {.resembles = PALP_EFFECT_COUNT};
-    infer_fit fit;
-    e->free = none;
-    if (s->data.law_alone || e->gap.after_N <= s->settings->good_enough * s->data.peak)
-        return PALP_OK; /* below the practical limit */
-    palp_status status = find_terms(s, &fit, &e->free);
-    const bool some = !status && fit.raw;
-    if (some) {
-        e->free.resembles = find_nearest(e);
-        status = write_model(&fit, s, e);
-    }
-    if (some && !status)
-        e->verdict = PALP_EXPLAIN_UNEXPLAINED;
-    else /* a fit that fails or is stopped gives no term; all other results stay */
-        e->free = none;
-    if (fit.raw)
-        infer_fit_free(&fit);
-    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-}
-
 /* ---- effects beside the terms ---- */
 
 /* Log evidence of a fit with terms, less the prior costs of their kinds and sizes, nats. */
@@ -588,20 +567,29 @@ static palp_status drop_needless(infer_search *s, const infer_fit *with, palp_ex
     return status;
 }
 
-palp_status infer_free_review(infer_search *s, palp_explanation *e) {
-    palp_status status = PALP_OK;
-    for (bool dropped = true; dropped && infer_added(s) > 0 && !status;) {
-        palp_explain_free out;
+/* The same effects as those of the fit at hand: no look-alike has taken the place of one. */
+static bool has_effects_of(const infer_fit *fit, const infer_search *s) {
+    const palp_model *one = &fit->c.model, *other = &s->fit.c.model;
+    bool same = one->n_effects == other->n_effects && fit->c.hum_Hz == s->fit.c.hum_Hz;
+    for (size_t i = 0; same && i < one->n_effects; i++)
+        same = one->effects[i].id == other->effects[i].id;
+    return same;
+}
+
+palp_status infer_free_find(infer_search *s, palp_explanation *e, infer_fit *found) {
+    palp_status status = infer_residual(&s->fit, &s->data, s->residual, s->discrepancy);
+    memset(found, 0, sizeof *found);
+    if (status || explain_fitted_rms(&s->data, s->residual) <= s->settings->good_enough * s->data.peak)
+        return status; /* below the practical limit */
+    for (bool dropped = true; dropped && !status;) {
         infer_left_out left = {.n = 0};
-        infer_fit fit;
         dropped = false;
-        status = find_terms(s, &fit, &out);
-        if (!status && fit.raw)
-            status = drop_needless(s, &fit, e, &dropped);
-        if (fit.raw)
-            infer_fit_free(&fit);
+        status = find_terms(s, found, &e->free);
+        if (!status && found->raw)
+            status = drop_needless(s, found, e, &dropped);
         if (status || !dropped)
             break;
+        infer_fit_free(found);
         status = infer_fit_converge(&s->fit, &s->data);
         if (!status)
             status = infer_leave_out(&s->fit, &s->data, &left);
@@ -609,5 +597,26 @@ palp_status infer_free_review(infer_search *s, palp_explanation *e) {
             e->gap.heldout_after_N = left.rms_N;
         infer_left_out_free(&left);
     }
+    if (status && found->raw) /* a fit that fails or is stopped gives no term; all other results stay */
+        infer_fit_free(found);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+palp_status infer_free_take(const infer_search *s, palp_explanation *e, infer_fit *found) {
+    static const palp_explain_free none = {.resembles = PALP_EFFECT_COUNT};
+    palp_status status = PALP_OK;
+    if (found->raw && !has_effects_of(found, s)) {
+        infer_fit_free(found);
+        status = find_terms(s, found, &e->free);
+    }
+    const bool some = !status && found->raw;
+    if (some) {
+        e->free.resembles = find_nearest(e);
+        status = write_model(found, s, e);
+    }
+    if (some && !status)
+        e->verdict = PALP_EXPLAIN_UNEXPLAINED;
+    else
+        e->free = none;
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }

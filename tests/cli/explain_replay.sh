@@ -101,29 +101,31 @@ grep -q '"model": 3' free.json || fail "the version of a model with a free term"
 near "share of the gap that it closes" "$(in_free free.out closed)" 1 0.2
 replay free free?.csv
 
-# tester NAME RING BENDS: presses, in all of which a frame rings by RING newtons for a change of the speed by 1 mm/s, and the sensor's gain
-# depends on the place by a share of BENDS
+# tester NAME RING BENDS CURES: presses, in all of which a frame rings by RING newtons for a change of the speed by 1 mm/s, the sensor's gain
+# depends on the place by a share of BENDS, and the specimen becomes stiffer by a share of CURES a second
 tester() {
     n=0
     for press in "cyclic --depth-mm 7 --rate-mm-s 6" "cyclic --depth-mm 5 --rate-mm-s 2" "cyclic --depth-mm 7 --rate-mm-s 3" \
         "ramp_hold --depth-mm 7 --ramp-s 1 --hold-s 10" "ramp_hold --depth-mm 4 --ramp-s 1 --hold-s 10"; do
         n=$((n + 1))
         expect 0 simulate true.json --protocol $press --sample-Hz 50 --air-s 1 --noise-N 0.004 --seed $n --out plain.csv
-        awk -F, -v ring=$2 -v bends=$3 '
+        awk -F, -v ring=$2 -v bends=$3 -v cures=$4 '
             /^[-0-9]/ { speed = samples ? ($2 - depth) / ($1 - time) : 0
                 if (samples++ && (speed - was) ^ 2 > 1e-6) { at[++n] = time; by[n] = speed - was }
                 was = speed; time = $1; depth = $2; more = 0
                 for (i = 1; i <= n; i++) { s = $1 - at[i]; more += by[i] * exp(-s / 0.25) * sin(16 * s) }
-                printf "%s,%s,%.9g\n", $1, $2, $3 * (1 + bends * sin(1.5 * $2)) + ring * more; next } { print }' plain.csv >$1$n.csv
+                printf "%s,%s,%.9g\n", $1, $2, $3 * (1 + bends * sin(1.5 * $2) + cures * $1) + ring * more; next } { print }' plain.csv >$1$n.csv
         rm plain.csv
     done
 }
-for case in "ring 0.02 0 time_since_change_of_speed dissipative" "gain 0 0.05 place_times_force place"; do
+for case in "ring 0.02 0 0 time_since_change_of_speed dissipative" "gain 0 0.05 0 place_times_force place" \
+    "cure 0 0 0.01 time_in_run_times_force age"; do
     set -- $case
-    tester $1 $2 $3
-    expect 0 explain --model guess.json $1?.csv --candidates sensor_drift,coulomb_friction --result $1.out --out $1.json
-    grep -q '"depends_on": "'$4'"' $1.json || fail "$1: no term: $(cat out)"
-    grep -q '"class": "[a-z ]*'$5'"' $1.out || fail "$1: class: $(cat out)"
+    tester $1 $2 $3 $4
+    expect 0 explain --model guess.json $1?.csv --candidates sensor_drift,coulomb_friction,frame_compliance --result $1.out --out $1.json
+    grep -q '"depends_on": "'$5'"' $1.json || fail "$1: no term: $(cat out)"
+    grep -q '"class": "[a-z ]*'$6'"' $1.out || fail "$1: class: $(cat out)"
+    grep -q '"id": "frame_compliance"' $1.json && fail "$1: the frame is named for what has no name: $(cat out)"
     near "$1: share of the gap that it closes" "$(in_free $1.out closed)" 1 0.2
     replay $1 $1?.csv
 done
