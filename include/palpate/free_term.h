@@ -54,7 +54,8 @@ typedef struct palp_free_term {
     double depth_m;  /* at which a force in proportion to the depth is that of the table; of a RESPONSE,
                         depth_m / to is the change of speed to which the table belongs */
     double slow_m_s; /* of a speed */
-    double plate_N;  /* in proportion to the force of the plate: at which the table holds; otherwise 0 */
+    double plate_N;  /* of a factor on the force of the plate: the force at which the table holds; otherwise
+                        0 */
     double force_N[PALP_FREE_NODES], sd_N[PALP_FREE_NODES];
 } palp_free_term;
 

@@ -282,9 +282,7 @@ static palp_status add_left(const infer_fit *fit, explain_data *data, size_t r, 
     return status;
 }
 
-/* Residual of the runs left out, rms, with what all others share: a run's own part of a term is no
- * prediction.
- */
+/* rms of the runs left out, as the others predict them: without any run's own part of a term. */
 static palp_status find_left(const infer_fit *fit, explain_data *data, double *rms) {
     const bool each = explain_fitted_runs(data) == data->n_runs;
     double squares = 0.0, count = 0.0;
@@ -554,6 +552,8 @@ static palp_status drop_needless(infer_search *s, const infer_fit *with, palp_ex
         if (!status && fit.raw)
             status = find_value(&fit, &rest, &other);
         *dropped = !status && fit.raw && own - infer_price(s) - other < infer_threshold(s->settings);
+        status =
+            status == PALP_ERR_NO_MEMORY ? status : PALP_OK; /* an effect that cannot be left out stays */
         if (*dropped)
             infer_search_go_on(s, &rest);
         for (size_t k = 0; k < e->n_candidates && *dropped; k++)
