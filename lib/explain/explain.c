@@ -31,13 +31,14 @@ static palp_explain_verdict verdict_of(const palp_explanation *e) {
 }
 
 static void mark_accepted(palp_explanation *e) {
-    for (size_t i = 0; i < e->n_effects; i++)
-        for (size_t k = 0; k < e->n_candidates; k++)
-            if (e->candidate[k].id == e->effect[i].effect.id) {
-                e->candidate[k].accepted = true;
-                e->candidate[k].unconfirmed = false;
-                e->candidate[k].reason[0] = '\0';
-            }
+    for (size_t i = 0; i < e->n_effects; i++) {
+        palp_explain_candidate *out = explain_candidate_of(e, e->effect[i].effect.id);
+        if (!out)
+            continue;
+        out->accepted = true;
+        out->unconfirmed = false;
+        out->reason[0] = '\0';
+    }
     for (size_t k = 0; k < e->n_candidates; k++) /* it was taken in a step, and exchanged later */
         if (!e->candidate[k].accepted && e->candidate[k].reason[0] == '\0')
             snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
@@ -98,13 +99,13 @@ static palp_status confirm(infer_search *s, infer_fit *given, palp_explanation *
     const bool some = infer_added(s) > 0 || s->drive_gain > 0.0;
     if (!status && some && !(infer_predicts_better(&with, &without, &se) > 0.0)) {
         const infer_fit found = s->fit;
-        for (size_t i = 0; i < infer_added(s); i++)
-            for (size_t k = 0; k < e->n_candidates; k++)
-                if (e->candidate[k].id == infer_added_id(s, i)) {
-                    e->candidate[k].unconfirmed = true;
-                    snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
-                             "does not improve the prediction of runs left out");
-                }
+        for (size_t i = 0; i < infer_added(s); i++) {
+            palp_explain_candidate *out = explain_candidate_of(e, infer_added_id(s, i));
+            if (!out)
+                continue;
+            out->unconfirmed = true;
+            snprintf(out->reason, sizeof out->reason, "does not improve the prediction of runs left out");
+        }
         s->fit = *given;
         *given = found;
         s->drive_gain = 0.0;

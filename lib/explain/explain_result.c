@@ -51,6 +51,13 @@ void explain_keep_residual(const double *from, palp_explanation *e, bool before)
         memcpy(before ? e->run[r].before_N : e->run[r].after_N, from, e->run[r].n * sizeof *from);
 }
 
+palp_explain_candidate *explain_candidate_of(palp_explanation *e, palp_effect_id id) {
+    for (size_t k = 0; k < e->n_candidates; k++)
+        if (e->candidate[k].id == id)
+            return &e->candidate[k];
+    return NULL;
+}
+
 /* Shares of the squared gap by run and phase, the largest first; and the remaining share of it there. */
 void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N) {
     double total = 0.0;

@@ -9,6 +9,9 @@
 palp_status explain_copy_runs(const explain_data *data, palp_explanation *e);
 void explain_keep_residual(const double *residual, palp_explanation *e, bool before);
 
+/* The candidate of an effect; NULL: it is none. */
+palp_explain_candidate *explain_candidate_of(palp_explanation *e, palp_effect_id id);
+
 void explain_phase_shares(const explain_data *data, palp_explanation *e, double noise_level_N);
 
 /* ---- what to run next (explain_next.c) ---- */

@@ -75,8 +75,8 @@ palp_status infer_discrepancy_find(const infer_search *s, palp_explanation *e);
 
 /* What all runs share of what no effect follows, where it is certain, as a fit with terms: *found is the
  * caller's to free, its raw NULL where there is none. Effects of the fit at hand that the terms make needless
- * are removed: they stand for what has no name. Their candidates get the reason, and e->gap what is left of
- * runs left out. */
+ * are removed: they stand for what has no name. Their candidates get the reason; e->gap.heldout_after_N is
+ * that of the fit without them. */
 palp_status infer_free_find(infer_search *s, palp_explanation *e, infer_fit *found);
 
 /* Writes these terms into e->free and e->model, whose verdict is unexplained then. Where another effect took

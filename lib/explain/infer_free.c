@@ -1,5 +1,6 @@
 /* infer_free.c: free terms: the part of the discrepancy that all runs share, as a function of one variable of
  * the path. The kinds of functions are compared by the evidence of a fit without other discrepancies. */
+#include "explain_result.h"
 #include "infer_answer.h"
 #include "base/dense.h"
 #include "response/free_term.h"
@@ -542,7 +543,7 @@ static palp_status drop_needless(infer_search *s, const infer_fit *with, palp_ex
     palp_status status = find_value(with, s, &own);
     *dropped = false;
     for (size_t i = infer_added(s); i-- > 0 && !status && !*dropped;) {
-        const palp_effect_id id = infer_added_id(s, i);
+        palp_explain_candidate *needless = explain_candidate_of(e, infer_added_id(s, i));
         infer_search rest;
         infer_fit fit = {.raw = NULL};
         palp_explain_free out;
@@ -552,14 +553,12 @@ static palp_status drop_needless(infer_search *s, const infer_fit *with, palp_ex
         if (!status && fit.raw)
             status = find_value(&fit, &rest, &other);
         *dropped = !status && fit.raw && own - infer_price(s) - other < infer_threshold(s->settings);
-        status =
-            status == PALP_ERR_NO_MEMORY ? status : PALP_OK; /* an effect that cannot be left out stays */
+        if (status != PALP_ERR_NO_MEMORY)
+            status = PALP_OK; /* an effect that cannot be left out stays */
         if (*dropped)
             infer_search_go_on(s, &rest);
-        for (size_t k = 0; k < e->n_candidates && *dropped; k++)
-            if (e->candidate[k].id == id)
-                snprintf(e->candidate[k].reason, sizeof e->candidate[k].reason,
-                         "is not needed beside a free term");
+        if (*dropped && needless)
+            snprintf(needless->reason, sizeof needless->reason, "is not needed beside a free term");
         if (fit.raw)
             infer_fit_free(&fit);
         infer_search_free(&rest);

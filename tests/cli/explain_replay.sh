@@ -129,4 +129,5 @@ for case in "ring 0.02 0 0 time_since_change_of_speed dissipative" "gain 0 0.05 
     near "$1: share of the gap that it closes" "$(in_free $1.out closed)" 1 0.2
     replay $1 $1?.csv
 done
+grep -q '"is not needed beside a free term"' cure.out || fail "the reason why the frame was removed: $(grep -A9 frame_compliance cure.out)"
 done_testing
