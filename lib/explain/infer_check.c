@@ -32,7 +32,7 @@ static palp_status left_of_run(const infer_fit *fit, const explain_data *data, c
     const explain_run *run = &data->run[r];
     double own[INFER_BLOCK];
     palp_status status = infer_own(fit, data, p, r, own, NULL);
-    const double *column = fit->raw + at * fit->m, *step = p->mean + INFER_HATS;
+    const double *column = fit->raw + at * fit->m, *step = p->mean + p->hats;
     for (size_t i = 0; i < run->n && !status; i++) {
         double left = column[(fit->m - 1) * run->n + i];
         for (size_t a = 0; a < fit->k; a++)

@@ -131,7 +131,7 @@ static palp_status find_intervals(const infer_search *s, size_t at, palp_explain
     const palp_effect_info *info = palp_effect_look_up(out->effect.id);
     for (size_t k = 0; unit && k < info->n_parameters && !status; k++) {
         memset(unit, 0, p.g * sizeof *unit);
-        unit[INFER_HATS + first + k] = infer_tail_widening(&s->fit);
+        unit[p.hats + first + k] = infer_tail_widening(&s->fit);
         dense_forward(p.g, p.factor, 1, unit);
         const double reach = 1.96 * sqrt(dense_dot(p.g, unit, unit)), value = out->effect.value[k];
         const bool logarithmic = s->fit.c.logarithmic[first + k];

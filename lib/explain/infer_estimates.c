@@ -92,7 +92,7 @@ static palp_status fill_estimates(const infer_search *s, const infer_posterior *
     for (size_t i = 0; i < n; i++) {
         double at = 0.0;
         for (size_t a = 0; a < s->fit.k; a++) {
-            row[i * p->g + INFER_HATS + a] = part(springs, order, i, a) * infer_tail_widening(&s->fit);
+            row[i * p->g + p->hats + a] = part(springs, order, i, a) * infer_tail_widening(&s->fit);
             at += part(springs, order, i, a) * c->x[a];
         }
         dense_forward(p->g, p->factor, 1, row + i * p->g);

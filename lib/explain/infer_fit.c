@@ -496,11 +496,11 @@ palp_status infer_residual(const infer_fit *fit, const explain_data *data, doubl
             for (size_t a = 0; a < INFER_OWN; a++)
                 left -= own[a] * own_column[a * n + i];
             for (size_t a = 0; a < fit->k; a++) /* the runs' own parameters change with this step */
-                left -= p.mean[INFER_HATS + a] * raw[a * n + i];
+                left -= p.mean[p.hats + a] * raw[a * n + i];
             for (size_t a = 0; a < INFER_SPECIMEN; a++)
                 left -= specimen[a] * own_column[(INFER_BLOCK + a) * n + i];
             for (size_t a = 0; a < INFER_HATS; a++)
-                taken += (own[INFER_OWN + a] + p.mean[a]) * own_column[(INFER_OWN + a) * n + i];
+                taken += (own[INFER_OWN + a] + infer_common(&p, a)) * own_column[(INFER_OWN + a) * n + i];
             for (size_t a = 0; a < fit->k; a++)
                 taken -= undone[a] * raw[a * n + i];
             residual[at + i] = data->run[r].use[i] ? left : 0.0;

@@ -272,11 +272,11 @@ static palp_status add_left(const infer_fit *fit, explain_data *data, size_t r, 
     for (size_t i = 0; i < n && !status; i++) {
         double left = raw[(fit->m - 1) * n + i];
         for (size_t a = 0; a < fit->k; a++)
-            left -= (p.mean[INFER_HATS + a] - undone[a]) * raw[a * n + i];
+            left -= (p.mean[p.hats + a] - undone[a]) * raw[a * n + i];
         for (size_t a = 0; a < INFER_OWN; a++)
             left -= own[a] * own_column[a * n + i];
         for (size_t a = 0; a < INFER_HATS; a++)
-            left -= p.mean[a] * own_column[(INFER_OWN + a) * n + i];
+            left -= infer_common(&p, a) * own_column[(INFER_OWN + a) * n + i];
         *squares += run->use[i] ? left * left : 0.0;
     }
     infer_posterior_free(&p);
@@ -360,7 +360,7 @@ static palp_status take_information(const infer_fit *fit, const infer_posterior 
     if (!unit)
         return PALP_ERR_NO_MEMORY;
     for (size_t a = 0; a < N; a++)
-        unit[a * p->g + d * N + a] = 1.0;
+        unit[a * p->g + p->domain[d] + a] = 1.0;
     dense_forward(p->g, p->factor, N, unit);
     dense_transposed_product(N, N, p->g, unit, unit, covariance);
     free(unit);
@@ -370,7 +370,7 @@ static palp_status take_information(const infer_fit *fit, const infer_posterior 
     for (size_t a = 0; a < N; a++)
         information[a * (N + 1)] = 1.0;
     dense_cholesky_solve(N, covariance, N, information);
-    dense_times(N, N, 1.0, information, p->mean + d * N, 0.0, out->pull[d]);
+    dense_times(N, N, 1.0, information, p->mean + p->domain[d], 0.0, out->pull[d]);
     infer_hats_precision(fit->sizes.common[d], N, prior);
     for (size_t i = 0; i < N * N; i++)
         information[i] -= prior[i];
@@ -387,20 +387,20 @@ static palp_status take_tables(infer_fit *fit, const explain_data *data, palp_ex
     if (!unit)
         return status ? status : PALP_ERR_NO_MEMORY;
     for (size_t d = 0; d < fit->n_terms; d++)
-        for (size_t a = 0; a < N; a++) {
+        for (size_t a = 0; a < N && p.domain[d] != SIZE_MAX; a++) {
             const bool none = a == free_term_zero(fit->term[d].kind);
             memset(unit, 0, p.g * sizeof *unit);
-            unit[d * N + a] = 1.0;
+            unit[p.domain[d] + a] = 1.0;
             dense_forward(p.g, p.factor, 1, unit);
-            fit->term[d].force_N[a] = none ? 0.0 : p.mean[d * N + a];
+            fit->term[d].force_N[a] = none ? 0.0 : p.mean[p.domain[d] + a];
             fit->term[d].sd_N[a] = none ? 0.0 : infer_tail_widening(fit) * sqrt(dense_dot(p.g, unit, unit));
         }
     for (size_t d = 0; d < fit->n_terms && !status; d++)
-        status = take_information(fit, &p, d, out);
+        status = p.domain[d] != SIZE_MAX ? take_information(fit, &p, d, out) : PALP_OK;
     for (size_t d = 0; d < fit->n_terms; d++)
         fit->term[d].does = class_of(fit, d);
     for (size_t a = 0; a < fit->k; a++)
-        fit->c.x[a] = fmin(fit->c.high[a], fmax(fit->c.low[a], fit->c.x[a] + p.mean[INFER_HATS + a] -
+        fit->c.x[a] = fmin(fit->c.high[a], fmax(fit->c.low[a], fit->c.x[a] + p.mean[p.hats + a] -
                                                                    infer_undone(&p, 0, INFER_HATS, a)));
     free(unit);
     infer_posterior_free(&p);

@@ -110,10 +110,12 @@ typedef struct infer_fit {
     double promised;              /* log Z predicted by the current columns after the best step */
 } infer_fit;
 
-/* The posterior of the common discrepancy (INFER_HATS) and the parameters (k) from all runs. Each run's own
- * parameters are eliminated, then each specimen's. */
+/* The posterior of the common discrepancy (hats) and the parameters (k) from all runs. Each run's own
+ * parameters are eliminated, then each specimen's. Domains without any size are left out. */
 typedef struct infer_posterior {
-    size_t g;                        /* INFER_HATS + k */
+    size_t g;                        /* hats + k */
+    size_t hats, hat[INFER_HATS];    /* so many; which of INFER_HATS each is */
+    size_t domain[INFER_DOMAINS];    /* the first of each domain; SIZE_MAX: it is left out */
     double *factor;                  /* [g g] Cholesky factor of the posterior precision */
     double *mean;                    /* [g] the common discrepancy, and the best step of the parameters */
     double *normal, *pull;           /* [k k], [k] of the parameters, the common discrepancy eliminated, */
@@ -121,7 +123,7 @@ typedef struct infer_posterior {
     double chi2, log_det, log_prior; /* with the step; of both precisions, with those of the runs'
                                         parameters */
     double *specimen; /* [n_runs] of their specimens, each specimen's factor and rows (infer_normal.c) */
-    double *turn;     /* [INFER_HATS k] steps of the law nearest to a hat, which are taken off it; NULL: hats
+    double *turn;     /* [hats k] steps of the law nearest to a hat, which are taken off it; NULL: hats
                          are not orthogonal to the law */
     size_t k;
     double *pull_of_mean; /* [g + 1] slopes, by the global ones, of the multiplier that makes the contacts
@@ -238,8 +240,11 @@ void infer_posterior_free(infer_posterior *p);
 /* Scores of the current parameters by p->here, and after the best step by p->chi2. */
 double infer_log_evidence(const infer_fit *fit, const infer_posterior *p, double chi2);
 
+/* The posterior mean of a common hat of INFER_HATS. */
+double infer_common(const infer_posterior *p, size_t hat);
+
 /* Parameters of run r at the posterior: mean[INFER_BLOCK], covariance[INFER_BLOCK INFER_BLOCK] (NULL: not
- * wanted). */
+ * wanted). A hat without a size has mean 0, and variance 1. */
 palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                       double *mean, double *covariance);
 
@@ -266,11 +271,11 @@ void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data);
 /* So many rounds of the fixed point of restricted maximum likelihood for fit->sizes, from the products. */
 palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t rounds);
 
-/* At the products at hand: derivatives of the log evidence after the best step by the logarithms of the
- * noise's sizes, slope[NOISES]. information[NOISES NOISES] is their average information. Sets the scores too.
+/* At the products at hand and their posterior: derivatives of the log evidence after the best step by the
+ * logarithms of the noise's sizes, slope[NOISES]. information[NOISES NOISES] is their average information.
  * (infer_learn.c) */
-palp_status infer_noise_slopes(infer_fit *fit, const explain_data *data, double slope[INFER_NOISES],
-                               double *information);
+palp_status infer_noise_slopes(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                               double slope[INFER_NOISES], double *information);
 
 /* The most probable fit->noise at the current columns, with products and score. anew: a size of 0 begins
  * where the samples barely show it. (infer_learn.c) */

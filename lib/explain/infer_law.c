@@ -52,7 +52,7 @@ static palp_status find_law_posterior(const infer_fit *fit, const explain_data *
     if (!status && !eliminate_others(k, n, p.normal, q + k * k, law->precision))
         status = PALP_ERR_SINGULAR;
     for (size_t a = 0; a < n && !status; a++)
-        law->mean[a] = fit->c.x[a] + p.mean[INFER_HATS + a];
+        law->mean[a] = fit->c.x[a] + p.mean[p.hats + a];
     infer_posterior_free(&p);
     free(q);
     return status;

@@ -86,22 +86,18 @@ static palp_status add_run(const infer_fit *fit, const explain_data *data, const
     return PALP_OK;
 }
 
-palp_status infer_noise_slopes(infer_fit *fit, const explain_data *data, double slope[INFER_NOISES],
-                               double *information) {
+palp_status infer_noise_slopes(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                               double slope[INFER_NOISES], double *information) {
     enum { N = INFER_NOISES };
     const size_t m = fit->m, most = m + N, n = data->longest;
     double *room = malloc((m + m * m + most * m + (most + 1 + N + INFER_FILTER) * n + INFER_STATES * most) *
                           sizeof *room);
-    infer_posterior p = {.memory = NULL};
     memset(slope, 0, N * sizeof *slope);
     memset(information, 0, N * N * sizeof *information);
-    palp_status status = room ? infer_posterior_find(fit, data, &p) : PALP_ERR_NO_MEMORY;
+    palp_status status = room ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t r = 0, at = 0; r < data->n_runs && !status; at += data->run[r++].n)
         if (!data->run[r].held_out)
-            status = add_run(fit, data, &p, r, fit->raw + at * m, fit->sample + at, room, slope, information);
-    if (!status)
-        infer_take_scores(fit, &p);
-    infer_posterior_free(&p);
+            status = add_run(fit, data, p, r, fit->raw + at * m, fit->sample + at, room, slope, information);
     free(room);
     return status;
 }
@@ -112,14 +108,19 @@ static palp_status evaluate(void *user, const double *x, double *h, double *g, d
     for (unsigned a = 0; a < l->n; a++)
         *size_of(&l->fit->noise, (int)a) = *size_of(&l->start, (int)a) * exp(x[a]);
     double slope[INFER_NOISES], information[INFER_NOISES * INFER_NOISES];
+    infer_posterior p = {.memory = NULL};
     palp_status status = infer_fit_products(l->fit, l->data);
     if (!status)
-        status = infer_fit_score(l->fit, l->data);
-    *chi2 = 2.0 * (l->promised - l->fit->promised);
-    if (!status && *chi2 > l->least)
-        return PALP_OK; /* no step is made from there */
+        status = infer_posterior_find(l->fit, l->data, &p);
     if (!status)
-        status = infer_noise_slopes(l->fit, l->data, slope, information);
+        infer_take_scores(l->fit, &p);
+    *chi2 = 2.0 * (l->promised - l->fit->promised);
+    const bool worse = !status && *chi2 > l->least; /* no step is made from there */
+    if (!status && !worse)
+        status = infer_noise_slopes(l->fit, l->data, &p, slope, information);
+    infer_posterior_free(&p);
+    if (worse)
+        return PALP_OK;
     for (size_t a = 0; a < l->n && !status; a++) {
         memcpy(h + a * l->n, information + a * INFER_NOISES, l->n * sizeof *h);
         h[a * (l->n + 1)] += 1e-12 * information[0]; /* a size of nothing has no information */

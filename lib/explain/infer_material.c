@@ -208,14 +208,35 @@ static palp_status lengthen(infer_search *s) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* Correlated noise as long as a run can pass for relaxation where the model lacks an effect. So the search
- * begins with noise of a hundredth of that time too. Its end is kept if it is more probable. */
+/* How much less probable the fit is without the correlated noise that is longer than this, nats. */
+static palp_status find_long_noise(const infer_search *s, double memory, double *nats) {
+    infer_fit without;
+    palp_status status = infer_fit_copy(&s->fit, &s->data, &without);
+    if (status)
+        return status;
+    for (int a = 0; a < INFER_SLOW; a++)
+        if (without.noise.time[a] > memory)
+            without.noise.slow[a] = 0.0;
+    status = infer_fit_products(&without, &s->data);
+    if (!status)
+        status = infer_fit_score(&without, &s->data);
+    *nats = status ? 0.0 : s->fit.score - without.score;
+    infer_fit_free(&without);
+    return status;
+}
+
+/* Correlated noise as long as a run can pass for relaxation where the model lacks an effect. So where the
+ * runs show such noise, the search begins with noise of a hundredth of that time too. Its end is kept if it
+ * is more probable. */
 static palp_status search_in_two_ways(infer_search *s, const palp_model *model,
                                       const palp_explain_choice *choice, palp_error *error) {
     static const double SHARE = 0.01;
     const double memory = fmax(SHARE * s->data.duration, 40.0 * s->data.step); /* a decade of times */
+    double nats = 0.0;
     palp_status status = search_arms(s, *model, choice, 0.0, error);
-    if (status || memory >= s->data.duration)
+    if (!status && memory < s->data.duration)
+        status = find_long_noise(s, memory, &nats);
+    if (status || nats < infer_threshold(s->settings))
         return status;
     infer_fit whole = s->fit;
     memset(&s->fit, 0, sizeof s->fit);

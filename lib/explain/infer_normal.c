@@ -13,12 +13,36 @@ enum { SPECIMEN_SQUARE = INFER_SPECIMEN * INFER_SPECIMEN };
 
 /* Column of a run's products (parameters, its own, hats, specimen's, residual) of an outer one: hats,
  * parameters, the multiplier (which has none: fit->m), specimen's, residual. */
-static size_t outer_column(const infer_fit *fit, size_t a) {
-    const size_t g = INFER_HATS + fit->k;
-    return a < INFER_HATS ? fit->k + INFER_OWN + a
-           : a < g        ? a - INFER_HATS
-           : a == g       ? fit->m
-                          : fit->k + INFER_BLOCK + (a - g - 1);
+static size_t outer_column(const infer_fit *fit, const infer_posterior *p, size_t a) {
+    return a < p->hats ? fit->k + INFER_OWN + p->hat[a]
+           : a < p->g  ? a - p->hats
+           : a == p->g ? fit->m
+                       : fit->k + INFER_BLOCK + (a - p->g - 1);
+}
+
+/* Parameters of a run: its own, and its hats of domains that have a size. */
+static size_t block(const infer_posterior *p) {
+    return INFER_OWN + p->hats;
+}
+
+/* Which of INFER_BLOCK parameter a of a block is. */
+static size_t of_block(const infer_posterior *p, size_t a) {
+    return a < INFER_OWN ? a : INFER_OWN + p->hat[a - INFER_OWN];
+}
+
+/* p's hats are those of domains of which a size is not 0. */
+static void find_hats(const infer_fit *fit, infer_posterior *p) {
+    for (size_t d = 0; d < INFER_DOMAINS; d++) {
+        const bool any = infer_any(fit->sizes.common[d]) || infer_any(fit->sizes.each[d]);
+        p->domain[d] = any ? p->hats : SIZE_MAX;
+        for (size_t a = 0; a < INFER_NODES && any; a++)
+            p->hat[p->hats++] = d * INFER_NODES + a;
+    }
+}
+
+double infer_common(const infer_posterior *p, size_t hat) {
+    const size_t at = p->domain[hat / INFER_NODES];
+    return at == SIZE_MAX ? 0.0 : p->mean[at + hat % INFER_NODES];
 }
 
 /* Precision that fixes a parameter of this sd at the value of the columns, if the fit asks for it. It is a
@@ -34,15 +58,16 @@ static double hold_own(const infer_fit *fit, size_t own, size_t r, double *place
     return own == INFER_CONTACT || (bends && own <= INFER_GAIN) ? hold(fit, fit->sizes.own[own]) : 0.0;
 }
 
-/* Cholesky factor l[BLOCK BLOCK] of the posterior precision of a run's parameters, conditional on the global
+/* Cholesky factor l[block block] of the posterior precision of a run's parameters, conditional on the global
  * ones; and the log determinant of its prior. false: not definite. */
-static bool own_factor(const infer_fit *fit, size_t r, double *l, double *log_prior) {
-    enum { B = INFER_BLOCK };
+static bool own_factor(const infer_fit *fit, const infer_posterior *p, size_t r, double *l,
+                       double *log_prior) {
     const double *product = fit->product + r * fit->m * fit->m;
+    const size_t B = block(p);
     *log_prior = 0.0;
     for (size_t a = 0; a < B; a++)
         for (size_t b = 0; b < B; b++)
-            l[a * B + b] = product[(fit->k + a) * fit->m + fit->k + b];
+            l[a * B + b] = product[(fit->k + of_block(p, a)) * fit->m + fit->k + of_block(p, b)];
     for (size_t a = 0; a < INFER_OWN; a++) {
         const double certain = a == INFER_CONTACT ? fit->contact_certain[r] : 1.0,
                      sd = fit->sizes.own[a] / sqrt(certain);
@@ -53,8 +78,8 @@ static bool own_factor(const infer_fit *fit, size_t r, double *l, double *log_pr
         l[a * B + a] += hold_own(fit, a, r, &place);
         *log_prior += sd > 0.0 ? 2.0 * (infer_cauchy_evidence(certain) - log(sd)) : 0.0;
     }
-    for (size_t d = 0; d < INFER_DOMAINS; d++) {
-        const size_t at = INFER_OWN + d * INFER_NODES;
+    for (size_t h = 0; h < p->hats; h += INFER_NODES) {
+        const size_t at = INFER_OWN + h, d = p->hat[h] / INFER_NODES;
         const bool any = infer_any(fit->sizes.each[d]);
         for (size_t a = at; a < at + INFER_NODES && !any; a++)
             for (size_t b = 0; b < B; b++)
@@ -65,15 +90,15 @@ static bool own_factor(const infer_fit *fit, size_t r, double *l, double *log_pr
 }
 
 /* Whether a column of the block has no size, so that its coefficient is 0. */
-static bool is_off(const infer_fit *fit, size_t a) {
+static bool is_off(const infer_fit *fit, const infer_posterior *p, size_t a) {
     if (a < INFER_OWN)
         return !(fit->sizes.own[a] > 0.0);
-    return !infer_any(fit->sizes.each[(a - INFER_OWN) / INFER_NODES]);
+    return !infer_any(fit->sizes.each[p->hat[a - INFER_OWN] / INFER_NODES]);
 }
 
 /* Whether an outer column is a common discrepancy without a size: nothing else depends on it. */
-static bool is_absent(const infer_fit *fit, size_t outer) {
-    return outer < INFER_HATS && !infer_any(fit->sizes.common[outer / INFER_NODES]);
+static bool is_absent(const infer_fit *fit, const infer_posterior *p, size_t outer) {
+    return outer < p->hats && !infer_any(fit->sizes.common[p->hat[outer] / INFER_NODES]);
 }
 
 /* The weight of the run's contact among those that average 0: how certain it is. */
@@ -83,51 +108,54 @@ static double in_mean(const infer_fit *fit, const explain_data *data, size_t r) 
     return in ? fit->contact_certain[r] : 0.0;
 }
 
-/* cross[BLOCK outer]: products of run r's parameters with the outer columns; with the multiplier its contact
+/* cross[block outer]: products of run r's parameters with the outer columns; with the multiplier its contact
  * has 1. */
-static void own_cross(const infer_fit *fit, const explain_data *data, size_t r, size_t outer, double *cross) {
+static void own_cross(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
+                      size_t outer, double *cross) {
     const double *product = fit->product + r * fit->m * fit->m;
-    const size_t s = INFER_HATS + fit->k + 1;
+    const size_t s = p->g + 1, B = block(p);
     for (size_t b = 0; b < outer; b++) {
-        const size_t column = outer_column(fit, b);
-        const bool off = is_absent(fit, b) || column == fit->m ||
+        const size_t column = outer_column(fit, p, b);
+        const bool off = is_absent(fit, p, b) || column == fit->m ||
                          (b >= s && b < s + INFER_SPECIMEN && !(fit->sizes.specimen[b - s] > 0.0));
-        for (size_t a = 0; a < INFER_BLOCK; a++)
-            cross[b * INFER_BLOCK + a] = off || is_off(fit, a) ? 0.0 : product[column * fit->m + fit->k + a];
+        for (size_t a = 0; a < B; a++)
+            cross[b * B + a] =
+                off || is_off(fit, p, a) ? 0.0 : product[column * fit->m + fit->k + of_block(p, a)];
     }
     for (size_t a = 0; a < INFER_OWN; a++) {
         double place;
         const double precision = hold_own(fit, a, r, &place);
-        cross[(outer - 1) * INFER_BLOCK + a] += precision * place;
+        cross[(outer - 1) * B + a] += precision * place;
     }
-    cross[(s - 1) * INFER_BLOCK + INFER_CONTACT] = in_mean(fit, data, r);
+    cross[(s - 1) * B + INFER_CONTACT] = in_mean(fit, data, r);
 }
 
 /* Adds run r, with its own parameters eliminated, to the outer matrix a[outer outer]; and to the log
- * determinants of posterior and prior. cross: [(BLOCK + outer) outer] */
-static bool add_run(const infer_fit *fit, const explain_data *data, size_t r, size_t outer, double *a,
-                    double *cross, double det[2]) {
+ * determinants of posterior and prior. cross: [(block + outer) outer] */
+static bool add_run(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
+                    size_t outer, double *a, double *cross, double det[2]) {
+    const size_t B = block(p);
     const double *product = fit->product + r * fit->m * fit->m;
     double l[INFER_BLOCK * INFER_BLOCK], log_prior;
-    if (!own_factor(fit, r, l, &log_prior))
+    if (!own_factor(fit, p, r, l, &log_prior))
         return false;
-    own_cross(fit, data, r, outer, cross);
-    dense_forward(INFER_BLOCK, l, outer, cross);
-    det[0] += dense_log_determinant(INFER_BLOCK, l);
+    own_cross(fit, data, p, r, outer, cross);
+    dense_forward(B, l, outer, cross);
+    det[0] += dense_log_determinant(B, l);
     det[1] += log_prior;
-    const size_t multiplier = INFER_HATS + fit->k;
+    const size_t multiplier = p->g;
     for (size_t i = 0; i < outer; i++) {
-        const double *row = product + outer_column(fit, i) * fit->m;
+        const double *row = product + outer_column(fit, p, i) * fit->m;
         for (size_t j = 0; j < outer && i != multiplier; j++)
-            a[i * outer + j] += j != multiplier ? row[outer_column(fit, j)] : 0.0;
+            a[i * outer + j] += j != multiplier ? row[outer_column(fit, p, j)] : 0.0;
     }
     for (size_t i = 0; i < INFER_OWN; i++) {
         double place;
         const double precision = hold_own(fit, i, r, &place);
         a[outer * outer - 1] += precision * place * place;
     }
-    double *square = cross + INFER_BLOCK * outer;
-    dense_transposed_product(outer, outer, INFER_BLOCK, cross, cross, square);
+    double *square = cross + B * outer;
+    dense_transposed_product(outer, outer, B, cross, cross, square);
     for (size_t i = 0; i < outer * outer; i++)
         a[i] -= square[i];
     return true;
@@ -141,10 +169,10 @@ static size_t specimen_room(size_t g) {
 }
 
 /* Eliminates the specimen's parameters from a[outer outer], lower triangle; keep[specimen_room]. */
-static bool take_specimen(const infer_fit *fit, const double *place, size_t g, double *a, double *keep,
-                          double det[2]) {
+static bool take_specimen(const infer_fit *fit, const infer_posterior *p, const double *place, double *a,
+                          double *keep, double det[2]) {
     enum { S = INFER_SPECIMEN };
-    const size_t outer = g + S + 1;
+    const size_t g = p->g + 1, outer = g + S + 1;
     double *rows = keep + SPECIMEN_SQUARE;
     for (size_t i = 0; i < S; i++) {
         const double sd = fit->sizes.specimen[i];
@@ -156,7 +184,7 @@ static bool take_specimen(const infer_fit *fit, const double *place, size_t g, d
         keep[i * S + i] += (on ? 1.0 / (sd * sd) : 1.0) + hold(fit, sd);
         det[1] -= on ? 2.0 * log(sd) : 0.0;
         for (size_t b = 0; b < g; b++)
-            rows[b * S + i] = on && !is_absent(fit, b) ? a[(g + i) * outer + b] : 0.0;
+            rows[b * S + i] = on && !is_absent(fit, p, b) ? a[(g + i) * outer + b] : 0.0;
         rows[g * S + i] = (on ? a[(g + S) * outer + g + i] : 0.0) + hold(fit, sd) * place[i];
         a[outer * outer - 1] += hold(fit, sd) * place[i] * place[i];
     }
@@ -180,9 +208,9 @@ static bool add_specimen(const infer_fit *fit, const explain_data *data, size_t 
     for (size_t r = from; r < to; r++)
         fitted = fitted || !data->run[r].held_out;
     for (size_t r = from; r < to; r++)
-        if (!(fitted && data->run[r].held_out) && !add_run(fit, data, r, outer, inner, cross, det))
+        if (!(fitted && data->run[r].held_out) && !add_run(fit, data, p, r, outer, inner, cross, det))
             return false;
-    if (!take_specimen(fit, fit->specimen + from * S, g, inner, keep, det))
+    if (!take_specimen(fit, p, fit->specimen + from * S, inner, keep, det))
         return false;
     for (size_t r = from + 1; r < to; r++)
         memcpy(p->specimen + r * room, keep, room * sizeof *keep);
@@ -200,12 +228,10 @@ static bool add_specimen(const infer_fit *fit, const explain_data *data, size_t 
 }
 
 /* Takes the columns of a common discrepancy without a size out of a[n n]. */
-static void drop_absent(const infer_fit *fit, size_t n, double *a) {
-    for (size_t i = 0; i < INFER_HATS; i++) {
-        const bool any = infer_any(fit->sizes.common[i / INFER_NODES]);
-        for (size_t j = 0; j < n && !any; j++)
+static void drop_absent(const infer_fit *fit, const infer_posterior *p, size_t n, double *a) {
+    for (size_t i = 0; i < p->hats; i++)
+        for (size_t j = 0; j < n && is_absent(fit, p, i); j++)
             a[i * n + j] = a[j * n + i] = 0.0;
-    }
 }
 
 /* Eliminates the multiplier from a[(g + 2) (g + 2)], which becomes [(g + 1) (g + 1)]: the contacts then
@@ -235,34 +261,34 @@ static void take_mean(const infer_fit *fit, const explain_data *data, infer_post
  * e)]. */
 static palp_status turn_hats(const infer_fit *fit, const infer_posterior *p, const double *q, double *work,
                              double *a) {
-    const size_t k = fit->k, n = fit->c.model.material.law.n, e = p->g + 1;
+    const size_t k = fit->k, n = fit->c.model.material.law.n, e = p->g + 1, hats = p->hats;
     double *normal = work, *rows = work + n * n, *turn = rows + n * e;
-    memcpy(rows, a + INFER_HATS * e, n * e * sizeof *rows);
+    memcpy(rows, a + hats * e, n * e * sizeof *rows);
     for (size_t i = 0; i < n; i++) {
         for (size_t j = 0; j < n; j++)
-            normal[i * n + j] = rows[i * e + INFER_HATS + j] + q[i * k + j];
-        for (size_t h = 0; h < INFER_HATS; h++)
+            normal[i * n + j] = rows[i * e + hats + j] + q[i * k + j];
+        for (size_t h = 0; h < hats; h++)
             turn[h * n + i] = rows[i * e + h];
     }
     if (!dense_cholesky(n, normal))
         return PALP_ERR_SINGULAR;
-    dense_cholesky_solve(n, normal, INFER_HATS, turn);
-    for (size_t h = 0; h < INFER_HATS; h++) {
+    dense_cholesky_solve(n, normal, hats, turn);
+    for (size_t h = 0; h < hats; h++) {
         memcpy(p->turn + h * k, turn + h * n, n * sizeof *turn);
         for (size_t i = 0; i < n; i++) /* rows, then columns */
             for (size_t j = 0; j < e; j++)
                 a[h * e + j] -= turn[h * n + i] * rows[i * e + j];
     }
     for (size_t j = 0; j < e; j++)
-        for (size_t h = 0; h < INFER_HATS; h++)
-            a[j * e + h] -= dense_dot(n, turn + h * n, a + j * e + INFER_HATS);
+        for (size_t h = 0; h < hats; h++)
+            a[j * e + h] -= dense_dot(n, turn + h * n, a + j * e + hats);
     return PALP_OK;
 }
 
 /* Adds the priors to a[(g + 1) (g + 1)] and factorizes. */
 static palp_status solve(const infer_fit *fit, const explain_data *data, infer_posterior *p, double *a,
                          double *q) {
-    const size_t g = p->g, k = fit->k, e = g + 1;
+    const size_t g = p->g, k = fit->k, e = g + 1, hats = p->hats;
     double log_prior;
     palp_status status = infer_prior(fit, data, q, &log_prior);
     if (status)
@@ -271,21 +297,21 @@ static palp_status solve(const infer_fit *fit, const explain_data *data, infer_p
     status = turn_hats(fit, p, q, q + k * k, a);
     if (status)
         return status;
-    for (size_t d = 0; d < INFER_DOMAINS; d++)
-        p->log_prior += infer_hats_precision(fit->sizes.common[d], e, a + d * INFER_NODES * (e + 1));
+    for (size_t h = 0; h < hats; h += INFER_NODES)
+        p->log_prior += infer_hats_precision(fit->sizes.common[p->hat[h] / INFER_NODES], e, a + h * (e + 1));
     p->chi2 = a[e * e - 1];
     for (size_t i = 0; i < k; i++)
         for (size_t j = 0; j < k; j++) {
             const double off = fit->c.x[j] - fit->given[j];
-            a[(INFER_HATS + i) * e + INFER_HATS + j] += q[i * k + j];
-            a[g * e + INFER_HATS + i] -= q[i * k + j] * off;
+            a[(hats + i) * e + hats + j] += q[i * k + j];
+            a[g * e + hats + i] -= q[i * k + j] * off;
             p->chi2 += (fit->c.x[i] - fit->given[i]) * q[i * k + j] * off;
         }
     for (size_t i = 0; i < k; i++)
         if (fit->scan[i].jumps) { /* it is at the median, and its posterior is known */
-            a[g * e + INFER_HATS + i] = 0.0;
+            a[g * e + hats + i] = 0.0;
             if (fit->scan[i].spread > 0.0)
-                a[(INFER_HATS + i) * (e + 1)] = TURN / (fit->scan[i].spread * fit->scan[i].spread);
+                a[(hats + i) * (e + 1)] = TURN / (fit->scan[i].spread * fit->scan[i].spread);
         }
     for (size_t i = 0; i < g; i++) {
         memcpy(p->factor + i * g, a + i * e, g * sizeof *p->factor);
@@ -295,22 +321,22 @@ static palp_status solve(const infer_fit *fit, const explain_data *data, infer_p
 }
 
 palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data, infer_posterior *p) {
-    const size_t k = fit->k, g = k + INFER_HATS, e = g + 2, outer = e + INFER_SPECIMEN;
     memset(p, 0, sizeof *p);
+    find_hats(fit, p);
+    const size_t k = fit->k, hats = p->hats, g = k + hats, e = g + 2, outer = e + INFER_SPECIMEN;
     p->g = g;
     p->k = k;
-    p->memory =
-        calloc(g * g + g + k * k + k + e * e + k * k + (INFER_BLOCK + outer) * outer + outer * outer +
-                   data->n_runs * specimen_room(g + 1) + e + INFER_HATS * k + k * (k + e + INFER_HATS),
-               sizeof *p->memory);
+    p->memory = calloc(g * g + g + k * k + k + e * e + k * k + (block(p) + outer) * outer + outer * outer +
+                           data->n_runs * specimen_room(g + 1) + e + hats * k + k * (k + e + hats),
+                       sizeof *p->memory);
     if (!p->memory)
         return PALP_ERR_NO_MEMORY;
     p->factor = p->memory;
     p->mean = p->factor + g * g;
     p->normal = p->mean + g;
     p->pull = p->normal + k * k;
-    double *a = p->pull + k, *q = a + e * e, *cross = q + k * k + k * (k + e + INFER_HATS),
-           *inner = cross + (INFER_BLOCK + outer) * outer;
+    double *a = p->pull + k, *q = a + e * e, *cross = q + k * k + k * (k + e + hats),
+           *inner = cross + (block(p) + outer) * outer;
     p->specimen = inner + outer * outer;
     p->pull_of_mean = p->specimen + data->n_runs * specimen_room(g + 1);
     p->turn = p->pull_of_mean + e;
@@ -320,7 +346,7 @@ palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data,
             to++;
         good = add_specimen(fit, data, from, to, a, inner, cross, p);
     }
-    drop_absent(fit, e, a);
+    drop_absent(fit, p, e, a);
     if (good)
         take_mean(fit, data, p, a);
     palp_status status = good ? solve(fit, data, p, a, q) : PALP_ERR_SINGULAR;
@@ -330,14 +356,14 @@ palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data,
     }
     p->log_det += dense_log_determinant(g, p->factor);
     dense_forward(g, p->factor, 1, p->mean);
-    p->here = p->chi2 - dense_dot(INFER_HATS, p->mean, p->mean);
+    p->here = p->chi2 - dense_dot(hats, p->mean, p->mean);
     p->chi2 -= dense_dot(g, p->mean, p->mean);
     for (size_t i = 0; i < k; i++) {
-        const double *row = p->factor + (INFER_HATS + i) * g + INFER_HATS;
-        p->pull[i] = dense_dot(i + 1, row, p->mean + INFER_HATS);
+        const double *row = p->factor + (hats + i) * g + hats;
+        p->pull[i] = dense_dot(i + 1, row, p->mean + hats);
         for (size_t j = 0; j <= i; j++)
             p->normal[i * k + j] = p->normal[j * k + i] =
-                dense_dot(j + 1, row, p->factor + (INFER_HATS + j) * g + INFER_HATS);
+                dense_dot(j + 1, row, p->factor + (hats + j) * g + hats);
     }
     dense_backward(g, p->factor, 1, p->mean);
     return PALP_OK;
@@ -373,9 +399,9 @@ static palp_status add_global(const infer_posterior *p, size_t n, double *x, dou
         for (size_t b = 0; b < g; b++)
             x[b * n + a] -= by_mean[a] * p->pull_of_mean[b];
         best[a] -= by_mean[a] * p->pull_of_mean[g];
-        for (size_t h = 0; h < INFER_HATS; h++)
+        for (size_t h = 0; h < p->hats; h++)
             for (size_t i = 0; i < p->k; i++)
-                x[h * n + a] -= p->turn[h * p->k + i] * x[(INFER_HATS + i) * n + a];
+                x[h * n + a] -= p->turn[h * p->k + i] * x[(p->hats + i) * n + a];
         mean[a] = best[a];
         for (size_t b = 0; b < g; b++)
             mean[a] -= x[b * n + a] * p->mean[b];
@@ -421,15 +447,15 @@ palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean,
     return status;
 }
 
-/* How the parameters of run r, with factor l, depend on the outer ones: cross[BLOCK outer], through the
+/* How the parameters of run r, with factor l, depend on the outer ones: cross[block outer], through the
  * specimen too. slope[SPECIMEN (g + 2)]: likewise of the specimen's parameters; spread[SPECIMEN SPECIMEN]:
- * their covariance. covariance[BLOCK BLOCK]: of the run's parameters, conditional on the global ones. */
+ * their covariance. covariance[block block]: of the run's parameters, conditional on the global ones. */
 static void depend_on_outer(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                             size_t r, const double *l, double *cross, double *slope, double *spread,
                             double *covariance) {
-    enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
-    const size_t g = p->g + 1, outer = g + S + 1;
-    own_cross(fit, data, r, outer, cross);
+    enum { S = INFER_SPECIMEN };
+    const size_t g = p->g + 1, outer = g + S + 1, B = block(p);
+    own_cross(fit, data, p, r, outer, cross);
     dense_cholesky_solve(B, l, outer, cross);
     const double *by = cross + g * B;
     invert(S, specimen_slope(p, r, slope), spread);
@@ -448,48 +474,63 @@ static void depend_on_outer(const infer_fit *fit, const explain_data *data, cons
 
 double infer_undone(const infer_posterior *p, size_t from, size_t to, size_t i) {
     double sum = 0.0;
-    for (size_t h = from; h < to; h++)
-        sum += p->turn[h * p->k + i] * p->mean[h];
+    for (size_t h = 0; h < p->hats; h++)
+        sum += p->hat[h] >= from && p->hat[h] < to ? p->turn[h * p->k + i] * p->mean[h] : 0.0;
     return sum;
+}
+
+/* Column of a run's products of parameter a: the global ones, its block's, its specimen's. */
+static size_t column_of(const infer_fit *fit, const infer_posterior *p, size_t a) {
+    return a < fit->k              ? a
+           : a < fit->k + block(p) ? fit->k + of_block(p, a - fit->k)
+                                   : a - block(p) + INFER_BLOCK;
 }
 
 palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                               size_t r, double *mean, double *covariance) {
-    enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
-    const size_t k = fit->k, n = k + B + S, g = p->g + 1, outer = g + S + 1;
-    double l[B * B], own[B * B], log_prior, spread[S * S];
+    enum { S = INFER_SPECIMEN };
+    const size_t k = fit->k, B = block(p), n = k + B + S, g = p->g + 1, outer = g + S + 1, all = fit->m - 1;
+    double l[INFER_BLOCK * INFER_BLOCK], own[INFER_BLOCK * INFER_BLOCK], log_prior, spread[S * S];
     double *cross = malloc(outer * B * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope),
-           *x = calloc((g + 1) * n, sizeof *x);
+           *x = calloc((g + 1) * n + n + n * n, sizeof *x);
     palp_status status = cross && slope && x ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (!status && !own_factor(fit, r, l, &log_prior))
+    if (!status && !own_factor(fit, p, r, l, &log_prior))
         status = PALP_ERR_SINGULAR;
     if (!status) {
+        double *middle = x + (g + 1) * n, *square = middle + n;
         depend_on_outer(fit, data, p, r, l, cross, slope, spread, own);
         for (size_t i = 0; i < S * S; i++) /* without a size it is 0, whatever its precision */
             spread[i] *= fit->sizes.specimen[i / S] > 0.0 && fit->sizes.specimen[i % S] > 0.0 ? 1.0 : 0.0;
-        memset(covariance, 0, n * n * sizeof *covariance);
         for (size_t a = 0; a < B; a++)
             for (size_t b = 0; b < B; b++)
-                covariance[(k + a) * n + k + b] = is_off(fit, a) || is_off(fit, b) ? 0.0 : own[a * B + b];
+                square[(k + a) * n + k + b] = is_off(fit, p, a) || is_off(fit, p, b) ? 0.0 : own[a * B + b];
         for (size_t s = 0; s < S; s++)
             for (size_t t = 0; t < S; t++)
-                covariance[(k + B + s) * n + k + B + t] = spread[s * S + t];
+                square[(k + B + s) * n + k + B + t] = spread[s * S + t];
         for (size_t a = 0; a < B; a++)
             for (size_t s = 0; s < S; s++) {
                 double both = 0.0;
                 for (size_t t = 0; t < S; t++)
                     both -= cross[(g + t) * B + a] * spread[t * S + s];
-                covariance[(k + a) * n + k + B + s] = covariance[(k + B + s) * n + k + a] = both;
+                square[(k + a) * n + k + B + s] = square[(k + B + s) * n + k + a] = both;
             }
         for (size_t b = 0; b <= g; b++) {
             memcpy(x + b * n + k, cross + (b < g ? b : g + S) * B, B * sizeof *x);
             memcpy(x + b * n + k + B, slope + b * S, S * sizeof *x);
         }
         for (size_t a = 0; a < k; a++)
-            x[(INFER_HATS + a) * n + a] = -1.0;
-        for (size_t h = 0; h < INFER_HATS; h++)
-            x[h * n + k + INFER_OWN + h] -= is_absent(fit, h) ? 0.0 : 1.0;
-        status = add_global(p, n, x, mean, covariance);
+            x[(p->hats + a) * n + a] = -1.0;
+        for (size_t h = 0; h < p->hats; h++)
+            x[h * n + k + INFER_OWN + h] -= is_absent(fit, p, h) ? 0.0 : 1.0;
+        status = add_global(p, n, x, middle, square);
+        memset(mean, 0, all * sizeof *mean);
+        memset(covariance, 0, all * all * sizeof *covariance);
+        for (size_t a = 0; a < n; a++) {
+            const size_t i = column_of(fit, p, a);
+            mean[i] = middle[a];
+            for (size_t b = 0; b < n; b++)
+                covariance[i * all + column_of(fit, p, b)] = square[a * n + b];
+        }
     }
     free(cross);
     free(slope);
@@ -498,25 +539,25 @@ palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, co
 }
 
 /* The mean alone, for which one right-hand side is enough: that of the residual without the outer parameters
- * at their posterior. */
+ * at their posterior. mean[block] */
 static palp_status find_own_mean(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                                  size_t r, double *mean) {
-    enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
-    const size_t g = p->g, outer = g + 1 + S + 1;
-    double l[B * B], log_prior, specimen[S], multiplier = p->pull_of_mean[g];
-    if (!own_factor(fit, r, l, &log_prior))
+    enum { S = INFER_SPECIMEN };
+    const size_t g = p->g, outer = g + 1 + S + 1, hats = p->hats, B = block(p);
+    double l[INFER_BLOCK * INFER_BLOCK], log_prior, specimen[S], multiplier = p->pull_of_mean[g];
+    if (!own_factor(fit, p, r, l, &log_prior))
         return PALP_ERR_SINGULAR;
     palp_status status = infer_specimen_own(p, r, specimen, NULL);
     double *cross = status ? NULL : malloc(outer * B * sizeof *cross);
     if (!cross)
         return status ? status : PALP_ERR_NO_MEMORY;
-    own_cross(fit, data, r, outer, cross);
+    own_cross(fit, data, p, r, outer, cross);
     memcpy(mean, cross + (outer - 1) * B, B * sizeof *mean);
     for (size_t b = 0; b < outer - 1; b++) {
-        const double at = b < INFER_HATS ? p->mean[b]
-                          : b < g        ? p->mean[b] - infer_undone(p, 0, INFER_HATS, b - INFER_HATS)
-                          : b == g       ? multiplier
-                                         : specimen[b - g - 1];
+        const double at = b < hats ? p->mean[b]
+                          : b < g  ? p->mean[b] - infer_undone(p, 0, INFER_HATS, b - hats)
+                          : b == g ? multiplier
+                                   : specimen[b - g - 1];
         multiplier -= b < g ? p->pull_of_mean[b] * at : 0.0;
         for (size_t a = 0; a < B; a++)
             mean[a] -= at * cross[b * B + a];
@@ -526,16 +567,15 @@ static palp_status find_own_mean(const infer_fit *fit, const explain_data *data,
     return PALP_OK;
 }
 
-palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
-                      double *mean, double *covariance) {
-    enum { B = INFER_BLOCK, S = INFER_SPECIMEN };
-    if (!covariance)
-        return find_own_mean(fit, data, p, r, mean);
-    const size_t g = p->g + 1, outer = g + S + 1;
-    double l[B * B], log_prior, spread[S * S];
+/* The same with covariance[block block]. */
+static palp_status find_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
+                            size_t r, double *mean, double *covariance) {
+    enum { S = INFER_SPECIMEN };
+    const size_t g = p->g + 1, outer = g + S + 1, B = block(p);
+    double l[INFER_BLOCK * INFER_BLOCK], log_prior, spread[S * S];
     double *cross = malloc(outer * B * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope);
     palp_status status = cross && slope ? PALP_OK : PALP_ERR_NO_MEMORY;
-    if (!status && !own_factor(fit, r, l, &log_prior))
+    if (!status && !own_factor(fit, p, r, l, &log_prior))
         status = PALP_ERR_SINGULAR;
     if (!status) {
         depend_on_outer(fit, data, p, r, l, cross, slope, spread, covariance);
@@ -544,5 +584,23 @@ palp_status infer_own(const infer_fit *fit, const explain_data *data, const infe
     }
     free(cross);
     free(slope);
+    return status;
+}
+
+palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
+                      double *mean, double *covariance) {
+    double middle[INFER_BLOCK], square[INFER_BLOCK * INFER_BLOCK];
+    const size_t B = block(p);
+    palp_status status =
+        covariance ? find_own(fit, data, p, r, middle, square) : find_own_mean(fit, data, p, r, middle);
+    memset(mean, 0, INFER_BLOCK * sizeof *mean);
+    for (size_t a = 0; a < INFER_BLOCK * INFER_BLOCK && covariance; a++)
+        covariance[a] = a % (INFER_BLOCK + 1) == 0 ? 1.0 : 0.0;
+    for (size_t a = 0; a < B && !status; a++) {
+        const size_t i = of_block(p, a);
+        mean[i] = middle[a];
+        for (size_t b = 0; b < B && covariance; b++)
+            covariance[i * INFER_BLOCK + of_block(p, b)] = square[a * B + b];
+    }
     return status;
 }

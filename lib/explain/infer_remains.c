@@ -209,7 +209,7 @@ static palp_status find_evidence(const infer_search *s, double *nats) {
 }
 
 palp_status infer_size_cost(infer_fit *fit, const explain_data *data, double *size, double *nats) {
-    const double step = 0.5, was = *size, here = fit->promised,
+    const double step = 0.5, was = *size, score = fit->score, here = fit->promised,
                  hidden = fit->noise.white / sqrt((double)explain_samples(data));
     double sum = 0.0;
     palp_status status = PALP_OK;
@@ -221,6 +221,8 @@ palp_status infer_size_cost(infer_fit *fit, const explain_data *data, double *si
         sum += fit->promised;
     }
     *size = was;
+    fit->score = score;
+    fit->promised = here;
     const double curvature = fmax(0.0, (2.0 * here - sum) / (step * step)), range = log(data->peak / hidden);
     *nats += fmax(0.0, log(range * sqrt(curvature / TURN)));
     return status;
@@ -282,7 +284,7 @@ static palp_status add_domains(const infer_search *s, const infer_posterior *p, 
         for (size_t i = 0; i < n; i++) {
             double taken = 0.0;
             for (size_t a = from; a < to; a++)
-                taken += (own[INFER_OWN + a] + p->mean[a]) * hats[a * n + i];
+                taken += (own[INFER_OWN + a] + infer_common(p, a)) * hats[a * n + i];
             for (size_t a = 0; a < fit->k; a++)
                 taken -= undone[a] * raw[a * n + i];
             square[d] += s->data.run[r].use[i] ? taken * taken : 0.0;

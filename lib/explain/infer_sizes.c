@@ -131,12 +131,12 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
         all[a * g + a] = 1.0;
     dense_cholesky_solve(g, p.factor, g, all);
     for (size_t d = 0; d < INFER_DOMAINS; d++)
-        add_hats(common[d], fit->sizes.common[d], p.mean + d * INFER_NODES, all + d * INFER_NODES * (g + 1),
-                 g);
+        if (p.domain[d] != SIZE_MAX)
+            add_hats(common[d], fit->sizes.common[d], p.mean + p.domain[d], all + p.domain[d] * (g + 1), g);
     for (size_t a = 0; a < k; a++)
-        memcpy(theta + a * k, all + (INFER_HATS + a) * g + INFER_HATS, k * sizeof *theta);
+        memcpy(theta + a * k, all + (p.hats + a) * g + p.hats, k * sizeof *theta);
     if (fit->c.model.material.law.kind == PALP_LAW_SPLINE && fit->n_known == 0)
-        add_bends(&bend, fit, p.mean + INFER_HATS, theta);
+        add_bends(&bend, fit, p.mean + p.hats, theta);
     infer_posterior_free(&p);
     if (status)
         return status;

@@ -15,7 +15,8 @@ static double log_density(double freedom, size_t n, const double *square) {
     const double most = 1e150, each = 1.0 / freedom;
     double sum = 0.0, product = 1.0;
     for (size_t i = 0; i < n; i++) {
-        product *= 1.0 + fmin(most, square[i] * each);
+        const double add = square[i] * each;
+        product *= 1.0 + (add < most ? add : most);
         if (product > most) {
             sum += log(product);
             product = 1.0;
@@ -26,12 +27,14 @@ static double log_density(double freedom, size_t n, const double *square) {
            (0.5 * freedom + 0.5) * sum;
 }
 
-/* The most likely one, by golden sections of its logarithm. */
+/* The most likely one, by golden sections of its logarithm; the upper end if the density increases there. */
 static double find_freedom(size_t n, const double *square) {
     enum { ROUNDS = 20 };
     static const double GOLDEN = 0.6180339887498949;
     double low = log(LEAST), high = log(MOST), a = high - GOLDEN * (high - low),
            b = low + GOLDEN * (high - low);
+    if (log_density(MOST, n, square) > log_density(0.9 * MOST, n, square))
+        return MOST;
     double at_a = log_density(exp(a), n, square), at_b = log_density(exp(b), n, square);
     for (int i = 0; i < ROUNDS; i++) {
         if (at_a > at_b) {
@@ -107,9 +110,9 @@ static palp_status left_of_run(const infer_fit *fit, const explain_data *data, c
     if (status)
         return status;
     for (size_t a = 0; a < k; a++)
-        most[a] = p->mean[INFER_HATS + a] - infer_undone(p, 0, INFER_HATS, a);
+        most[a] = p->mean[p->hats + a] - infer_undone(p, 0, INFER_HATS, a);
     for (size_t a = 0; a < INFER_HATS; a++)
-        own[INFER_OWN + a] += p->mean[a];
+        own[INFER_OWN + a] += infer_common(p, a);
     memcpy(left, column + (fit->m - 1) * n, n * sizeof *left);
     for (size_t a = 0; a + 1 < fit->m; a++)
         for (size_t i = 0; i < n && most[a] != 0.0; i++)

@@ -19,22 +19,22 @@ double infer_price(const infer_search *s) {
 
 palp_status infer_learned(infer_fit *fit, const explain_data *data, size_t i, double *learned) {
     const palp_model *m = &fit->c.model;
-    const size_t k = fit->k, g = k + INFER_HATS;
+    const size_t k = fit->k;
     const palp_effect_info *info = palp_effect_look_up(m->effects[i].id);
     size_t at = explain_first_column(m, i);
     for (size_t p = 0; p < info->n_parameters && !info->parameter[p].strength; p++)
         at += p + 1 < info->n_parameters;
     infer_posterior p = {.memory = NULL};
-    double log_det, *q = calloc(k * k + g, sizeof *q);
+    double log_det, *q = calloc(k * k + k + INFER_HATS, sizeof *q);
     palp_status status = q ? infer_prior(fit, data, q, &log_det) : PALP_ERR_NO_MEMORY;
     if (!status)
         status = infer_posterior_find(fit, data, &p);
     if (!status) {
         double *unit = q + k * k;
         infer_take_scores(fit, &p);
-        unit[INFER_HATS + at] = 1.0;
-        dense_forward(g, p.factor, 1, unit);
-        *learned = 1.0 - dense_dot(g, unit, unit) * q[at * k + at];
+        unit[p.hats + at] = 1.0;
+        dense_forward(p.g, p.factor, 1, unit);
+        *learned = 1.0 - dense_dot(p.g, unit, unit) * q[at * k + at];
     }
     infer_posterior_free(&p);
     free(q);

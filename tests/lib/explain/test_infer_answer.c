@@ -192,7 +192,7 @@ static double law_sd(const infer_search *s, size_t a) {
     ck_assert_int_eq(infer_posterior_find(&s->fit, &s->data, &p), PALP_OK);
     double *unit = calloc(p.g, sizeof *unit);
     ck_assert_ptr_nonnull(unit);
-    unit[INFER_HATS + a] = 1.0;
+    unit[p.hats + a] = 1.0;
     dense_forward(p.g, p.factor, 1, unit);
     const double sd = sqrt(dense_dot(p.g, unit, unit));
     free(unit);

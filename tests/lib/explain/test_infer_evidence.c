@@ -554,6 +554,7 @@ static double promised_with(infer_fit *fit, const explain_data *data, double *si
 START_TEST(the_slopes_of_the_noise_are_those_of_the_evidence) {
     explain_data data;
     infer_fit fit;
+    infer_posterior p;
     palp_model m;
     const bool with = _i >= 4;
     runs = _i % 4 < 3 ? (size_t)_i % 4 + 1 : MOST;
@@ -574,7 +575,9 @@ START_TEST(the_slopes_of_the_noise_are_those_of_the_evidence) {
                                                                                &fit.noise.slow[3],
                                                                                &fit.noise.encoder};
     ck_assert_int_eq(infer_fit_products(&fit, &data), PALP_OK);
-    ck_assert_int_eq(infer_noise_slopes(&fit, &data, slope, information), PALP_OK);
+    ck_assert_int_eq(infer_posterior_find(&fit, &data, &p), PALP_OK);
+    ck_assert_int_eq(infer_noise_slopes(&fit, &data, &p, slope, information), PALP_OK);
+    infer_posterior_free(&p);
     for (int a = 0; a < INFER_NOISES; a++) {
         const double h = 3e-4, up = promised_with(&fit, &data, size[a], exp(h)),
                      down = promised_with(&fit, &data, size[a], exp(-h));
