@@ -327,7 +327,8 @@ static palp_status settle_with(const infer_search *s, const palp_law *law, infer
     return status;
 }
 
-/* Moves a law towards a given one of the same family until it is stiff enough. */
+/* Moves a law towards a given one of the same family until it is stiff enough; at last it is the given one.
+ */
 static palp_status stiffen(const explain_fit *fit, const palp_law *given, palp_law *law) {
     enum { HALVES = 20 };
     palp_status status = PALP_OK;
@@ -337,7 +338,8 @@ static palp_status stiffen(const explain_fit *fit, const palp_law *given, palp_l
             middle[c] = 0.5 * (law->coefficients[c] + given->coefficients[c]);
         status = palp_law_set_coefficients(law, middle);
     }
-    return status;
+    return status || explain_is_stiff(fit, law) ? status
+                                                : palp_law_set_coefficients(law, given->coefficients);
 }
 
 /* Log odds of the current fit over the law, nats, and the nearest law of its family. A spline of fewer knots

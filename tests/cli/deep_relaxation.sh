@@ -32,13 +32,14 @@ awk '{ exit !(NF == 3 && $1 > 0.18 && $1 < 0.3 && $2 > 0.45 && $2 < 0.7 && $3 > 
 expect 0 characterize three.csv --likelihood --arms log:2 --json
 arms | awk 'NR > 1 { s = 2 * log($1 / last) / log(10); d = s - int(s + 0.5); if (d > 1e-6 || d < -1e-6) exit 1 } { last = $1 } END { exit NR < 2 }' ||
     fail "times are not two a decade: $(arms | tr '\n' ' ')"
-# A lag of 0.2 s, which the model lacks, in nearly no noise: the arms of the phantom to two fifths, 1.40 and 35.0 s.
+# A lag of 0.2 s, which the model lacks, in nearly no noise: the first arm of the phantom to two fifths, 1.40 s. The second, of 35.0 s, is
+# shorter than slow noise may be.
 sed 's/"formulation"/"effects": [{"id": "sensor_lag", "parameters": {"time_s": 0.215483}}], "formulation"/' "$DATA/lumped_n2.json" >lag.json
 sensor="--air-s 1 --noise-N 0.0004"
 expect 0 simulate lag.json --protocol static --depth-mm 7 --rate-mm-s 0.2 --sample-Hz 50 $sensor --seed 18 --out static.csv
 expect 0 simulate lag.json --protocol ramp_hold --depth-mm 3 --hold-s 40 --sample-Hz 100 $sensor --seed 12 --out hold.csv
 expect 0 characterize static.csv hold.csv --likelihood --arms 2 --json
 arms | paste -sd ' ' >times
-awk '{ exit !(NF == 2 && $1 > 0.84 && $1 < 1.96 && $2 > 21 && $2 < 49) }' times || fail "times beside a lag: $(cat times)"
+awk '{ exit !(NF == 2 && $1 > 0.84 && $1 < 1.96 && $2 > 21) }' times || fail "times beside a lag: $(cat times)"
 expect 2 characterize static.csv hold.csv --likelihood --arms fractional
 done_testing
