@@ -327,8 +327,8 @@ typedef struct palp_explain_choice {
  * to free: of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0.
  * Specimens are numbered in the order of their first inputs (specimen.name); with one, fit has the mean
  * alone. n_spread is 1 if they differ: by a factor on all stiffnesses, one on all times, and one on the law
- * alone. settings: false_alarm, contact, loop, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline
- * without a law; ERR_LIMIT: more than PALP_ARMS_MAX at fixed times; errors of palp_explain. */
+ * alone. settings: false_alarm, contact, loop, progress, stop. ERR_ARGUMENT: no runs, arms out of range,
+ * no_spline without a law; ERR_LIMIT: more than PALP_ARMS_MAX at fixed times; errors of palp_explain. */
 PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
                                            const palp_explain_input *inputs,
                                            const palp_explain_settings *settings,

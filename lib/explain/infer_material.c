@@ -168,14 +168,22 @@ static palp_status drop_arms(infer_search *s, size_t least, size_t most) {
     return status;
 }
 
+/* A further share of the work is done: of one search less than a half, as there may be two. */
+static void advance(const infer_search *s, double share) {
+    if (s->settings->progress)
+        s->settings->progress(s->settings->progress_user, share);
+}
+
 /* The arms that the runs show, beside correlated noise of this longest time; 0: that of the longest run. */
 static palp_status search_arms(infer_search *s, palp_model model, const palp_explain_choice *choice,
                                double memory, palp_error *error) {
     s->data.memory = memory;
     palp_status status = start(s, &model, choice, error);
+    advance(s, 0.25);
     if (!status)
         status = drop_arms(s, choice->per_decade ? 0 : choice->least_arms,
                            choice->per_decade ? PALP_ARMS_MAX : choice->most_arms);
+    advance(s, 0.15);
     if (!status)
         status = infer_fit_converge(&s->fit, &s->data);
     if (!status && !choice->per_decade)

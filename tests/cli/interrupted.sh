@@ -78,6 +78,17 @@ with open("stopped.json") as f:
     result = json.load(f)
 assert result["stopped"] is True and result["gap"]["noise_level_N"] > 0, "the result does not say that it was stopped"
 assert "stopping" in open("err").read(), "the terminal does not say that it stops"
+
+# That of characterize by the likelihood too, whose model is the best so far.
+with open("early.json", "w") as out, open("err", "w") as err:
+    process = subprocess.Popen([palpate, "characterize", "run.csv", "--likelihood", "--json"], stdout=out, stderr=err)
+    while process.poll() is None and not caught(process.pid):
+        time.sleep(0.001)
+    process.send_signal(signal.SIGINT)
+    assert process.wait() == 3, "exit code %d of a stopped fit" % process.returncode
+assert "characterize: stopping" in open("err").read(), "the terminal does not say that the fit stops"
+early = json.load(open("early.json"))
+assert early["converged"] is False and early["estimates"], "the result does not say that the fit was stopped"
 END
 expect 0 report stopped.json run.csv --out stopped.html
 grep -q "The search was stopped early" stopped.html || fail "the page does not say that the search was stopped"

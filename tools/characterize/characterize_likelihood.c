@@ -4,6 +4,7 @@
 
 #include "characterize.h"
 #include "shared/opening.h"
+#include "shared/watch.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -152,8 +153,12 @@ int characterize_likelihood(const characterize_options *o, characterize_state *s
             code =
                 cli_failure(NAME, "%s: --law needs the specimen's radius; add a line # specimen.radius_mm: R",
                             s->run[0].name);
-        if (!status)
+        if (!status) {
+            watch w;
+            watch_start(&w, NAME, &settings);
             status = palp_explain_material(&specimen, s->n, input, &settings, &choice, &s->specimens, &error);
+            watch_finish(&w);
+        }
         code = code || !status ? code : cli_status(NAME, status, &error);
     }
     for (size_t i = 0; i < s->n; i++)

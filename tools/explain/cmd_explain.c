@@ -9,15 +9,11 @@
 #include "shared/json_out.h"
 #include "shared/opening.h"
 #include "shared/page.h"
-#include "shared/progress.h"
+#include "shared/watch.h"
 
-#include <errno.h>
 #include <math.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char NAME[] = "explain";
 
@@ -171,60 +167,6 @@ static void extend_range(palp_model *model, size_t n, palp_experiment *const *ru
         palp_law_limit(law, deepest);
 }
 
-/* The progress bar, and the finished share of the work; threads take turns. */
-typedef struct watch {
-    pthread_mutex_t lock;
-    progress bar;
-    double done;
-} watch;
-
-static void show_progress(void *user, double share) {
-    watch *w = user;
-    pthread_mutex_lock(&w->lock);
-    w->done += share;
-    progress_update(&w->bar, w->done);
-    pthread_mutex_unlock(&w->lock);
-}
-
-/* Ctrl-C ends the search, and its findings are printed; once more, it ends the command. */
-static volatile sig_atomic_t stop_wanted;
-static struct sigaction before_stop;
-
-static void on_stop(int number) {
-    static const char said[] =
-        "\npalpate explain: stopping; what was found is written, Ctrl-C again ends at once\n";
-    int saved = errno;
-    stop_wanted = 1;
-    sigaction(number, &before_stop, NULL);
-    if (write(STDERR_FILENO, said, sizeof said - 1) < 0)
-        stop_wanted = 1;
-    errno = saved;
-}
-
-static bool asked_to_stop(void *user) {
-    (void)user;
-    return stop_wanted != 0;
-}
-
-static palp_status watched(const explain_options *o, const palp_model *model, const palp_explain_input *input,
-                           palp_explain_settings *s, palp_explanation *e, palp_error *error) {
-    watch w = {.done = 0};
-    pthread_mutex_init(&w.lock, NULL);
-    progress_start(&w.bar, "explain");
-    s->progress = show_progress;
-    s->progress_user = &w;
-    s->stop = asked_to_stop;
-    struct sigaction act = {.sa_handler = on_stop};
-    sigaction(SIGINT, NULL, &before_stop);
-    if (before_stop.sa_handler != SIG_IGN)
-        sigaction(SIGINT, &act, NULL);
-    palp_status status = palp_explain(model, o->n_words, input, s, e, error);
-    sigaction(SIGINT, &before_stop, NULL);
-    progress_finish(&w.bar);
-    pthread_mutex_destroy(&w.lock);
-    return status;
-}
-
 /* The given model, or none with simulated runs. */
 static int open_compared(const explain_options *o, palp_model *model, palp_mesh_source *mesh,
                          palp_explain_input *simulated, palp_experiment **run) {
@@ -263,7 +205,10 @@ static int explain(explain_options *o, palp_explain_input *input, palp_experimen
     if (code == CLI_OK) {
         if (o->model)
             extend_range(&model, o->n_words, run);
-        palp_status status = watched(o, o->model ? &model : NULL, input, &s, &e, &error);
+        watch w;
+        watch_start(&w, NAME, &s);
+        palp_status status = palp_explain(o->model ? &model : NULL, o->n_words, input, &s, &e, &error);
+        watch_finish(&w);
         code = status ? cli_status_of(NAME, o->model, status, &error) : CLI_OK;
     }
     if (code == CLI_OK) {
