@@ -115,6 +115,7 @@ typedef struct infer_fit {
 typedef struct infer_posterior {
     size_t g;                        /* hats + k */
     size_t hats, hat[INFER_HATS];    /* so many; which of INFER_HATS each is */
+    size_t width;                    /* of a run's block: INFER_OWN + hats */
     size_t domain[INFER_DOMAINS];    /* the first of each domain; SIZE_MAX: it is left out */
     double *factor;                  /* [g g] Cholesky factor of the posterior precision */
     double *mean;                    /* [g] the common discrepancy, and the best step of the parameters */

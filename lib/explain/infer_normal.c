@@ -20,11 +20,6 @@ static size_t outer_column(const infer_fit *fit, const infer_posterior *p, size_
                        : fit->k + INFER_BLOCK + (a - p->g - 1);
 }
 
-/* Parameters of a run: its own, and its hats of domains that have a size. */
-static size_t block(const infer_posterior *p) {
-    return INFER_OWN + p->hats;
-}
-
 /* Which of INFER_BLOCK parameter a of a block is. */
 static size_t of_block(const infer_posterior *p, size_t a) {
     return a < INFER_OWN ? a : INFER_OWN + p->hat[a - INFER_OWN];
@@ -38,6 +33,7 @@ static void find_hats(const infer_fit *fit, infer_posterior *p) {
         for (size_t a = 0; a < INFER_NODES && any; a++)
             p->hat[p->hats++] = d * INFER_NODES + a;
     }
+    p->width = INFER_OWN + p->hats;
 }
 
 double infer_common(const infer_posterior *p, size_t hat) {
@@ -58,35 +54,35 @@ static double hold_own(const infer_fit *fit, size_t own, size_t r, double *place
     return own == INFER_CONTACT || (bends && own <= INFER_GAIN) ? hold(fit, fit->sizes.own[own]) : 0.0;
 }
 
-/* Cholesky factor l[block block] of the posterior precision of a run's parameters, conditional on the global
+/* Cholesky factor l[width width] of the posterior precision of a run's parameters, conditional on the global
  * ones; and the log determinant of its prior. false: not definite. */
 static bool own_factor(const infer_fit *fit, const infer_posterior *p, size_t r, double *l,
                        double *log_prior) {
     const double *product = fit->product + r * fit->m * fit->m;
-    const size_t B = block(p);
+    const size_t width = p->width;
     *log_prior = 0.0;
-    for (size_t a = 0; a < B; a++)
-        for (size_t b = 0; b < B; b++)
-            l[a * B + b] = product[(fit->k + of_block(p, a)) * fit->m + fit->k + of_block(p, b)];
+    for (size_t a = 0; a < width; a++)
+        for (size_t b = 0; b < width; b++)
+            l[a * width + b] = product[(fit->k + of_block(p, a)) * fit->m + fit->k + of_block(p, b)];
     for (size_t a = 0; a < INFER_OWN; a++) {
         const double certain = a == INFER_CONTACT ? fit->contact_certain[r] : 1.0,
                      sd = fit->sizes.own[a] / sqrt(certain);
         double place;
-        for (size_t b = 0; b < B && !(sd > 0.0); b++)
-            l[a * B + b] = l[b * B + a] = 0.0;
-        l[a * B + a] += sd > 0.0 ? 1.0 / (sd * sd) : 1.0;
-        l[a * B + a] += hold_own(fit, a, r, &place);
+        for (size_t b = 0; b < width && !(sd > 0.0); b++)
+            l[a * width + b] = l[b * width + a] = 0.0;
+        l[a * width + a] += sd > 0.0 ? 1.0 / (sd * sd) : 1.0;
+        l[a * width + a] += hold_own(fit, a, r, &place);
         *log_prior += sd > 0.0 ? 2.0 * (infer_cauchy_evidence(certain) - log(sd)) : 0.0;
     }
     for (size_t h = 0; h < p->hats; h += INFER_NODES) {
         const size_t at = INFER_OWN + h, d = p->hat[h] / INFER_NODES;
         const bool any = infer_any(fit->sizes.each[d]);
         for (size_t a = at; a < at + INFER_NODES && !any; a++)
-            for (size_t b = 0; b < B; b++)
-                l[a * B + b] = l[b * B + a] = 0.0;
-        *log_prior += infer_hats_precision(fit->sizes.each[d], B, l + at * B + at);
+            for (size_t b = 0; b < width; b++)
+                l[a * width + b] = l[b * width + a] = 0.0;
+        *log_prior += infer_hats_precision(fit->sizes.each[d], width, l + at * width + at);
     }
-    return dense_cholesky(B, l);
+    return dense_cholesky(width, l);
 }
 
 /* Whether a column of the block has no size, so that its coefficient is 0. */
@@ -108,40 +104,40 @@ static double in_mean(const infer_fit *fit, const explain_data *data, size_t r) 
     return in ? fit->contact_certain[r] : 0.0;
 }
 
-/* cross[block outer]: products of run r's parameters with the outer columns; with the multiplier its contact
+/* cross[width outer]: products of run r's parameters with the outer columns; with the multiplier its contact
  * has 1. */
 static void own_cross(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                       size_t outer, double *cross) {
     const double *product = fit->product + r * fit->m * fit->m;
-    const size_t s = p->g + 1, B = block(p);
+    const size_t s = p->g + 1, width = p->width;
     for (size_t b = 0; b < outer; b++) {
         const size_t column = outer_column(fit, p, b);
         const bool off = is_absent(fit, p, b) || column == fit->m ||
                          (b >= s && b < s + INFER_SPECIMEN && !(fit->sizes.specimen[b - s] > 0.0));
-        for (size_t a = 0; a < B; a++)
-            cross[b * B + a] =
+        for (size_t a = 0; a < width; a++)
+            cross[b * width + a] =
                 off || is_off(fit, p, a) ? 0.0 : product[column * fit->m + fit->k + of_block(p, a)];
     }
     for (size_t a = 0; a < INFER_OWN; a++) {
         double place;
         const double precision = hold_own(fit, a, r, &place);
-        cross[(outer - 1) * B + a] += precision * place;
+        cross[(outer - 1) * width + a] += precision * place;
     }
-    cross[(s - 1) * B + INFER_CONTACT] = in_mean(fit, data, r);
+    cross[(s - 1) * width + INFER_CONTACT] = in_mean(fit, data, r);
 }
 
 /* Adds run r, with its own parameters eliminated, to the outer matrix a[outer outer]; and to the log
- * determinants of posterior and prior. cross: [(block + outer) outer] */
+ * determinants of posterior and prior. cross: [(width + outer) outer] */
 static bool add_run(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                     size_t outer, double *a, double *cross, double det[2]) {
-    const size_t B = block(p);
+    const size_t width = p->width;
     const double *product = fit->product + r * fit->m * fit->m;
     double l[INFER_BLOCK * INFER_BLOCK], log_prior;
     if (!own_factor(fit, p, r, l, &log_prior))
         return false;
     own_cross(fit, data, p, r, outer, cross);
-    dense_forward(B, l, outer, cross);
-    det[0] += dense_log_determinant(B, l);
+    dense_forward(width, l, outer, cross);
+    det[0] += dense_log_determinant(width, l);
     det[1] += log_prior;
     const size_t multiplier = p->g;
     for (size_t i = 0; i < outer; i++) {
@@ -154,8 +150,8 @@ static bool add_run(const infer_fit *fit, const explain_data *data, const infer_
         const double precision = hold_own(fit, i, r, &place);
         a[outer * outer - 1] += precision * place * place;
     }
-    double *square = cross + B * outer;
-    dense_transposed_product(outer, outer, B, cross, cross, square);
+    double *square = cross + width * outer;
+    dense_transposed_product(outer, outer, width, cross, cross, square);
     for (size_t i = 0; i < outer * outer; i++)
         a[i] -= square[i];
     return true;
@@ -326,7 +322,7 @@ palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data,
     const size_t k = fit->k, hats = p->hats, g = k + hats, e = g + 2, outer = e + INFER_SPECIMEN;
     p->g = g;
     p->k = k;
-    p->memory = calloc(g * g + g + k * k + k + e * e + k * k + (block(p) + outer) * outer + outer * outer +
+    p->memory = calloc(g * g + g + k * k + k + e * e + k * k + (p->width + outer) * outer + outer * outer +
                            data->n_runs * specimen_room(g + 1) + e + hats * k + k * (k + e + hats),
                        sizeof *p->memory);
     if (!p->memory)
@@ -336,7 +332,7 @@ palp_status infer_posterior_find(const infer_fit *fit, const explain_data *data,
     p->normal = p->mean + g;
     p->pull = p->normal + k * k;
     double *a = p->pull + k, *q = a + e * e, *cross = q + k * k + k * (k + e + hats),
-           *inner = cross + (block(p) + outer) * outer;
+           *inner = cross + (p->width + outer) * outer;
     p->specimen = inner + outer * outer;
     p->pull_of_mean = p->specimen + data->n_runs * specimen_room(g + 1);
     p->turn = p->pull_of_mean + e;
@@ -447,28 +443,28 @@ palp_status infer_specimen_own(const infer_posterior *p, size_t r, double *mean,
     return status;
 }
 
-/* How the parameters of run r, with factor l, depend on the outer ones: cross[block outer], through the
+/* How the parameters of run r, with factor l, depend on the outer ones: cross[width outer], through the
  * specimen too. slope[SPECIMEN (g + 2)]: likewise of the specimen's parameters; spread[SPECIMEN SPECIMEN]:
- * their covariance. covariance[block block]: of the run's parameters, conditional on the global ones. */
+ * their covariance. covariance[width width]: of the run's parameters, conditional on the global ones. */
 static void depend_on_outer(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                             size_t r, const double *l, double *cross, double *slope, double *spread,
                             double *covariance) {
     enum { S = INFER_SPECIMEN };
-    const size_t g = p->g + 1, outer = g + S + 1, B = block(p);
+    const size_t g = p->g + 1, outer = g + S + 1, width = p->width;
     own_cross(fit, data, p, r, outer, cross);
-    dense_cholesky_solve(B, l, outer, cross);
-    const double *by = cross + g * B;
+    dense_cholesky_solve(width, l, outer, cross);
+    const double *by = cross + g * width;
     invert(S, specimen_slope(p, r, slope), spread);
-    invert(B, l, covariance);
-    for (size_t a = 0; a < B; a++)
-        for (size_t b = 0; b < B; b++)
+    invert(width, l, covariance);
+    for (size_t a = 0; a < width; a++)
+        for (size_t b = 0; b < width; b++)
             for (size_t i = 0; i < S * S; i++)
-                covariance[a * B + b] += by[i / S * B + a] * spread[i] * by[i % S * B + b];
+                covariance[a * width + b] += by[i / S * width + a] * spread[i] * by[i % S * width + b];
     for (size_t b = 0; b <= g; b++) {
-        double *column = cross + (b < g ? b : g + S) * B;
+        double *column = cross + (b < g ? b : g + S) * width;
         for (size_t s = 0; s < S; s++)
-            for (size_t a = 0; a < B; a++)
-                column[a] -= by[s * B + a] * slope[b * S + s];
+            for (size_t a = 0; a < width; a++)
+                column[a] -= by[s * width + a] * slope[b * S + s];
     }
 }
 
@@ -482,16 +478,17 @@ double infer_undone(const infer_posterior *p, size_t from, size_t to, size_t i) 
 /* Column of a run's products of parameter a: the global ones, its block's, its specimen's. */
 static size_t column_of(const infer_fit *fit, const infer_posterior *p, size_t a) {
     return a < fit->k              ? a
-           : a < fit->k + block(p) ? fit->k + of_block(p, a - fit->k)
-                                   : a - block(p) + INFER_BLOCK;
+           : a < fit->k + p->width ? fit->k + of_block(p, a - fit->k)
+                                   : a - p->width + INFER_BLOCK;
 }
 
 palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                               size_t r, double *mean, double *covariance) {
     enum { S = INFER_SPECIMEN };
-    const size_t k = fit->k, B = block(p), n = k + B + S, g = p->g + 1, outer = g + S + 1, all = fit->m - 1;
+    const size_t k = fit->k, width = p->width, n = k + width + S, g = p->g + 1, outer = g + S + 1,
+                 all = fit->m - 1;
     double l[INFER_BLOCK * INFER_BLOCK], own[INFER_BLOCK * INFER_BLOCK], log_prior, spread[S * S];
-    double *cross = malloc(outer * B * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope),
+    double *cross = malloc(outer * width * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope),
            *x = calloc((g + 1) * n + n + n * n, sizeof *x);
     palp_status status = cross && slope && x ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status && !own_factor(fit, p, r, l, &log_prior))
@@ -501,22 +498,23 @@ palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, co
         depend_on_outer(fit, data, p, r, l, cross, slope, spread, own);
         for (size_t i = 0; i < S * S; i++) /* without a size it is 0, whatever its precision */
             spread[i] *= fit->sizes.specimen[i / S] > 0.0 && fit->sizes.specimen[i % S] > 0.0 ? 1.0 : 0.0;
-        for (size_t a = 0; a < B; a++)
-            for (size_t b = 0; b < B; b++)
-                square[(k + a) * n + k + b] = is_off(fit, p, a) || is_off(fit, p, b) ? 0.0 : own[a * B + b];
+        for (size_t a = 0; a < width; a++)
+            for (size_t b = 0; b < width; b++)
+                square[(k + a) * n + k + b] =
+                    is_off(fit, p, a) || is_off(fit, p, b) ? 0.0 : own[a * width + b];
         for (size_t s = 0; s < S; s++)
             for (size_t t = 0; t < S; t++)
-                square[(k + B + s) * n + k + B + t] = spread[s * S + t];
-        for (size_t a = 0; a < B; a++)
+                square[(k + width + s) * n + k + width + t] = spread[s * S + t];
+        for (size_t a = 0; a < width; a++)
             for (size_t s = 0; s < S; s++) {
                 double both = 0.0;
                 for (size_t t = 0; t < S; t++)
-                    both -= cross[(g + t) * B + a] * spread[t * S + s];
-                square[(k + a) * n + k + B + s] = square[(k + B + s) * n + k + a] = both;
+                    both -= cross[(g + t) * width + a] * spread[t * S + s];
+                square[(k + a) * n + k + width + s] = square[(k + width + s) * n + k + a] = both;
             }
         for (size_t b = 0; b <= g; b++) {
-            memcpy(x + b * n + k, cross + (b < g ? b : g + S) * B, B * sizeof *x);
-            memcpy(x + b * n + k + B, slope + b * S, S * sizeof *x);
+            memcpy(x + b * n + k, cross + (b < g ? b : g + S) * width, width * sizeof *x);
+            memcpy(x + b * n + k + width, slope + b * S, S * sizeof *x);
         }
         for (size_t a = 0; a < k; a++)
             x[(p->hats + a) * n + a] = -1.0;
@@ -539,48 +537,48 @@ palp_status infer_run_moments(const infer_fit *fit, const explain_data *data, co
 }
 
 /* The mean alone, for which one right-hand side is enough: that of the residual without the outer parameters
- * at their posterior. mean[block] */
+ * at their posterior. mean[width] */
 static palp_status find_own_mean(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                                  size_t r, double *mean) {
     enum { S = INFER_SPECIMEN };
-    const size_t g = p->g, outer = g + 1 + S + 1, hats = p->hats, B = block(p);
+    const size_t g = p->g, outer = g + 1 + S + 1, hats = p->hats, width = p->width;
     double l[INFER_BLOCK * INFER_BLOCK], log_prior, specimen[S], multiplier = p->pull_of_mean[g];
     if (!own_factor(fit, p, r, l, &log_prior))
         return PALP_ERR_SINGULAR;
     palp_status status = infer_specimen_own(p, r, specimen, NULL);
-    double *cross = status ? NULL : malloc(outer * B * sizeof *cross);
+    double *cross = status ? NULL : malloc(outer * width * sizeof *cross);
     if (!cross)
         return status ? status : PALP_ERR_NO_MEMORY;
     own_cross(fit, data, p, r, outer, cross);
-    memcpy(mean, cross + (outer - 1) * B, B * sizeof *mean);
+    memcpy(mean, cross + (outer - 1) * width, width * sizeof *mean);
     for (size_t b = 0; b < outer - 1; b++) {
         const double at = b < hats ? p->mean[b]
                           : b < g  ? p->mean[b] - infer_undone(p, 0, INFER_HATS, b - hats)
                           : b == g ? multiplier
                                    : specimen[b - g - 1];
         multiplier -= b < g ? p->pull_of_mean[b] * at : 0.0;
-        for (size_t a = 0; a < B; a++)
-            mean[a] -= at * cross[b * B + a];
+        for (size_t a = 0; a < width; a++)
+            mean[a] -= at * cross[b * width + a];
     }
-    dense_cholesky_solve(B, l, 1, mean);
+    dense_cholesky_solve(width, l, 1, mean);
     free(cross);
     return PALP_OK;
 }
 
-/* The same with covariance[block block]. */
+/* The same with covariance[width width]. */
 static palp_status find_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p,
                             size_t r, double *mean, double *covariance) {
     enum { S = INFER_SPECIMEN };
-    const size_t g = p->g + 1, outer = g + S + 1, B = block(p);
+    const size_t g = p->g + 1, outer = g + S + 1, width = p->width;
     double l[INFER_BLOCK * INFER_BLOCK], log_prior, spread[S * S];
-    double *cross = malloc(outer * B * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope);
+    double *cross = malloc(outer * width * sizeof *cross), *slope = malloc((g + 1) * S * sizeof *slope);
     palp_status status = cross && slope ? PALP_OK : PALP_ERR_NO_MEMORY;
     if (!status && !own_factor(fit, p, r, l, &log_prior))
         status = PALP_ERR_SINGULAR;
     if (!status) {
         depend_on_outer(fit, data, p, r, l, cross, slope, spread, covariance);
-        memmove(cross + g * B, cross + (g + S) * B, B * sizeof *cross);
-        status = add_global(p, B, cross, mean, covariance);
+        memmove(cross + g * width, cross + (g + S) * width, width * sizeof *cross);
+        status = add_global(p, width, cross, mean, covariance);
     }
     free(cross);
     free(slope);
@@ -590,17 +588,17 @@ static palp_status find_own(const infer_fit *fit, const explain_data *data, cons
 palp_status infer_own(const infer_fit *fit, const explain_data *data, const infer_posterior *p, size_t r,
                       double *mean, double *covariance) {
     double middle[INFER_BLOCK], square[INFER_BLOCK * INFER_BLOCK];
-    const size_t B = block(p);
+    const size_t width = p->width;
     palp_status status =
         covariance ? find_own(fit, data, p, r, middle, square) : find_own_mean(fit, data, p, r, middle);
     memset(mean, 0, INFER_BLOCK * sizeof *mean);
     for (size_t a = 0; a < INFER_BLOCK * INFER_BLOCK && covariance; a++)
         covariance[a] = a % (INFER_BLOCK + 1) == 0 ? 1.0 : 0.0;
-    for (size_t a = 0; a < B && !status; a++) {
+    for (size_t a = 0; a < width && !status; a++) {
         const size_t i = of_block(p, a);
         mean[i] = middle[a];
-        for (size_t b = 0; b < B && covariance; b++)
-            covariance[i * INFER_BLOCK + of_block(p, b)] = square[a * B + b];
+        for (size_t b = 0; b < width && covariance; b++)
+            covariance[i * INFER_BLOCK + of_block(p, b)] = square[a * width + b];
     }
     return status;
 }
