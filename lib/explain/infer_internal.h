@@ -5,6 +5,8 @@
 
 #include "explain_fit.h"
 
+#include <stdint.h>
+
 /* Parameters of a run: zero, contact, gain, and the mains' sine and cosine. Its discrepancy has others. */
 enum { INFER_ZERO, INFER_CONTACT, INFER_GAIN, INFER_SINE, INFER_COSINE, INFER_OWN };
 

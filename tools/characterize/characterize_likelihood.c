@@ -23,9 +23,10 @@ int characterize_likelihood_check(const characterize_options *o) {
 
 /* ---- the runs ---- */
 
-/* Parts of the way for the blocks of a run. Where the force grows with the square of the depth, a block's
- * mean is peak / (12 parts^2) off. Over all n samples this may change chi2 by a tenth. A hundred parts are
- * three between two knots of a law. Exact files have noise too: no sensor is better than a millionth. */
+/* Parts of the way for the blocks of a run. On a ramp, where the force grows with the square of the depth, a
+ * block's mean is peak / (12 parts^2) off. Over all n samples this may change chi2 by a tenth. A hundred
+ * parts are three between two knots of a law. An exact file counts as one with noise of a millionth of its
+ * peak. */
 static double parts_of(const palp_recording *run) {
     const double n = (double)run->n;
     double peak = 0;
