@@ -51,7 +51,11 @@ done
 # A Gmsh file whose tangent is indefinite on the way and at some solutions; the thesis' formulation.
 sed 's|"kind": "lattice".*"scaling"|"kind": "file", "path": "'"$ROOT"'/data/meshes/ball_2.6.msh", "scaling"|' arms.json >ball.json
 sed 's/"history"/"sedef2008"/; s/, {"stiffness_N": 0.5, "viscosity_Ns": 5}//' arms.json >sedef.json
-both ball ball.json 2 --protocol ramp_hold --depth-mm 1 --hold-s 1 --dt-ms 250
+# It buckles: the order in which processes answer decides, once in a hundred runs, which solution is found. So three tries.
+for try in 1 2 3; do
+    (failures=0; both ball ball.json 2 --protocol ramp_hold --depth-mm 1 --hold-s 1 --dt-ms 250; exit $failures) >ball.why && break
+    [ $try -lt 3 ] || fail "three runs of the ball: $(cat ball.why)"
+done
 both sedef sedef.json 2 --protocol ramp_hold --depth-mm 2 --hold-s 1 --dt-ms 250
 
 # Cells and tetrahedra that resist a change of volume, also those between parts; regions with a ratio of their own.
