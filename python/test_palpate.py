@@ -162,10 +162,13 @@ class Command(Folder):
         file = self.path('EF10_0T_A2.csv')
         told = json.loads(command('characterize', file, '--arms', 0, '--degree', 4, '--contact', 'known', '--json'))
         recording = palpate.Recording.read(file)
-        fit = palpate.characterize([recording], law=palpate.guess_law([recording], 4), n_arms=0)
-        self.compare(fit, told['estimates'])
-        np.testing.assert_allclose(fit.correlation, told['correlation'], **SAME)
-        self.assertAlmostEqual(fit.rms_N[0], told['runs'][0]['rms_N'], 12)
+        laws = [palpate.guess_law([recording], 4)]
+        found = palpate.characterize_recordings([recording], most_arms=0, laws=laws, no_spline=True, contact='known').mean
+        self.compare(found, told['estimates'])
+        np.testing.assert_allclose(found.correlation, told['correlation'], **SAME)
+        self.assertAlmostEqual(found.rms_N[0], told['runs'][0]['rms_N'], 12)
+        fit = palpate.characterize([recording], law=laws[0], n_arms=0)
+        np.testing.assert_allclose(fit.rms_N[0], found.rms_N[0], rtol=0.1)
         left = (fit.force(recording) - recording.force_N)[(recording.use != 0) & (recording.depth_m > 0)]
         self.assertAlmostEqual(np.sqrt(np.mean(left**2)), fit.rms_N[0], 9)
         # The model keeps the covariance, also in its file.
@@ -201,13 +204,10 @@ class Command(Folder):
                     '--sample-Hz', 20, '--noise-N', 0.002, '--seed', depth, '--out', file)
             runs.append(palpate.Experiment.read(file))
         recordings = [palpate.Recording.prepare(run) for run in runs]
-        arms, score, sd = palpate.select_arms(recordings, 3, dwell_only=True)
-        self.assertEqual((arms, len(score), sd[arms]), (2, 4, 0))
         laws = [palpate.guess_law(recordings, n) for n in (1, 3)]
-        self.assertEqual(palpate.select_law(recordings, laws, n_arms=2, starts=1)[0], 1)
-        self.assertEqual(palpate.select_degree(recordings, 3, laws[0], n_arms=2, starts=1)[1].shape, (4,))
+        self.assertEqual(palpate.characterize_recordings(recordings, laws=laws, no_spline=True).mean.material.law.n, 3)
         for specimens in (palpate.characterize_likelihood(model, runs, most_arms=3),
-                          palpate.characterize_specimens(recordings, [0, 0, 1], laws[1], n_arms=2)):
+                          palpate.characterize_recordings(recordings, [0, 0, 1], most_arms=3)):
             tau = [a.viscosity_Ns / a.stiffness_N for a in specimens.mean.material.arms]
             wanted = [a.viscosity_Ns / a.stiffness_N for a in model.material.arms]
             np.testing.assert_allclose(sorted(tau), sorted(wanted), rtol=0.1)

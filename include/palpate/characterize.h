@@ -16,22 +16,17 @@ typedef enum palp_spring_form {
     PALP_SPRING_PER_RUN /* one K_inf for each recording (Tables 4.2, 4.3) */
 } palp_spring_form;
 
-/* Form of the arms. FREE: n_arms with free times. LOG: per_decade arms a decade at fixed times from tau_min_s
- * to tau_max_s, with stiffness >= 0; those of zero stiffness are left out. FRACTIONAL: a fractional Maxwell
- * element (a spring in series with a springpot) parallel to the law, together a fractional Zener solid. Its
- * parameters are K_frac, tau_frac and the exponent a of the relaxation K_frac E_a(-(t / tau_frac)^a)
- * (Mittag-Leffler). It becomes PALP_ARMS_MAX arms of the spectrum sin(pi a) / (pi (x^a + x^-a + 2 cos(pi
- * a))), x = tau / tau_frac (Cole and Cole 1941). */
-typedef enum palp_arms_form { PALP_ARMS_FREE, PALP_ARMS_LOG, PALP_ARMS_FRACTIONAL } palp_arms_form;
+/* Form of the arms. FREE: n_arms with free times. FRACTIONAL: a fractional Maxwell element (a spring in
+ * series with a springpot) parallel to the law, together a fractional Zener solid. Its parameters are K_frac,
+ * tau_frac and the exponent a of the relaxation K_frac E_a(-(t / tau_frac)^a) (Mittag-Leffler). It becomes
+ * PALP_ARMS_MAX arms of the spectrum sin(pi a) / (pi (x^a + x^-a + 2 cos(pi a))), x = tau / tau_frac (Cole
+ * and Cole 1941). */
+typedef enum palp_arms_form { PALP_ARMS_FREE, PALP_ARMS_FRACTIONAL } palp_arms_form;
 
 typedef struct palp_characterize_settings {
     palp_spring_form spring;
-    palp_contact_form contact; /* PALP_SPRING_LAW; FREE takes two runs or more, else it is KNOWN: their sds
-                                  widen the intervals. AUTO is FREE where the residual of KNOWN makes that 20
-                                  times likelier (a Bayes factor) */
-    palp_law law;              /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
-    palp_arms_form arms; /* LOG and FRACTIONAL take the contacts for known; their starts are their own */
-    size_t per_decade;   /* LOG; 0 = 1 */
+    palp_law law;        /* PALP_SPRING_LAW: kind, size and (spline) knots; coefficients: first guess */
+    palp_arms_form arms; /* FRACTIONAL has its own starts */
     size_t n_arms;       /* FREE; 0 = elastic */
     bool dwell_only;     /* ramp and hold: leave the ramp out of the residual */
     double tau_min_s, tau_max_s; /* bounds of relaxation times; 0 = from the data */
@@ -39,7 +34,7 @@ typedef struct palp_characterize_settings {
     size_t max_evaluations;      /* of the residual in one refinement */
 } palp_characterize_settings;
 
-/* A constant spring for each recording, known contacts, no arms, the whole curve, 4 starts, 300 evaluations.
+/* A constant spring for each recording, no arms, the whole curve, 4 starts, 300 evaluations.
  */
 PALP_API palp_characterize_settings palp_characterize_settings_default(void);
 
@@ -91,35 +86,10 @@ PALP_API palp_status palp_characterize_fit(size_t n, const palp_recording *recor
 PALP_API palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_t n, const double *strain,
                                                double *stiffness_N, double *sd_N);
 
-/* Number of arms, or degree of the polynomial K, by cross-validation. Held out in turn are whole recordings
- * if three or more have one law, else blocks of log time (or depth) of each. score[max + 1]: mean squared
- * held-out residual over the noise variance, for 0 to max arms (or degree 0 to max). sd[max + 1]: standard
- * error of its difference to the best. *best: the smallest number within two standard errors, or a fifth, of
- * the best, by the mean logarithm of the losses of the groups of blocks. Errors of palp_characterize_fit;
- * select_degree also ERR_ARGUMENT for PALP_SPRING_PER_RUN. */
-PALP_API palp_status palp_characterize_select_arms(size_t n, const palp_recording *recordings,
-                                                   const palp_characterize_settings *settings,
-                                                   size_t max_arms, double *score, double *sd, size_t *best,
-                                                   palp_error *error);
-PALP_API palp_status palp_characterize_select_degree(size_t n, const palp_recording *recordings,
-                                                     const palp_characterize_settings *settings,
-                                                     size_t max_degree, double *score, double *sd,
-                                                     size_t *best, palp_error *error);
-
-/* The law, by the same evidence: law[n_laws] in the order of preference, simple first, each with its kind,
- * size, knots and area; coefficients: first guess. One fit each; its derivatives give the residuals of the
- * folds (one Gauss-Newton step, exact where the parameters are linear). With whole recordings held out, what
- * is deeper than all others is not judged. A law that the data cannot fit loses. score, sd and *best by law,
- * as above. ERR_ARGUMENT: no law, PALP_SPRING_PER_RUN. */
-PALP_API palp_status palp_characterize_select_law(size_t n, const palp_recording *recordings,
-                                                  const palp_characterize_settings *settings, size_t n_laws,
-                                                  const palp_law *law, double *score, double *sd,
-                                                  size_t *best, palp_error *error);
-
 /* ---- many specimens ---- */
 
-/* A fit of several specimens of one height and area (palp_recording_scale makes them so);
- * palp_specimens_fit_free. Each has its own coefficients of one law and its own arms; these scatter about a
+/* A fit of several specimens of one height and area (palp_explain_recordings); palp_specimens_fit_free. Each
+ * has its own coefficients of one law and its own arms; these scatter about a
  * mean. */
 typedef struct palp_specimens_fit {
     palp_lumped_fit
@@ -136,25 +106,6 @@ typedef struct palp_specimens_fit {
 } palp_specimens_fit;
 
 PALP_API void palp_specimens_fit_free(palp_specimens_fit *fit); /* frees arrays, zeroes; NULL is fine */
-
-/* Fits the specimens, 2 or more: recording r is of specimen[r], numbered from 0 without a gap. Each is fitted
- * by itself, starting from the fit of all; mean, between and within are a random-effects estimate by
- * restricted maximum likelihood (Laird and Ware 1982). Where the specimens differ by no more than chance,
- * mean is the fit of all recordings as of one. The contacts are KNOWN. The caller frees *fit. Errors of
- * palp_characterize_fit; ERR_ARGUMENT: PALP_SPRING_PER_RUN, a specimen without a recording; ERR_INPUT: the
- * mean is no material. */
-PALP_API palp_status palp_characterize_specimens(size_t n, const palp_recording *recordings,
-                                                 const size_t *specimen,
-                                                 const palp_characterize_settings *settings,
-                                                 palp_specimens_fit *fit, palp_error *error);
-
-/* By how much each specimen's force is larger than that of all, factor[specimens], whose product is 1: what
- * to divide by (palp_recording_scale) before the number of arms or the law is chosen from all together.
- * Errors as above. */
-PALP_API palp_status palp_characterize_level(size_t n, const palp_recording *recordings,
-                                             const size_t *specimen,
-                                             const palp_characterize_settings *settings, double *factor,
-                                             palp_error *error);
 
 /* K(e) of the specimens at a strain. */
 typedef struct palp_specimens_point {

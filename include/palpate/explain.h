@@ -313,11 +313,13 @@ typedef struct palp_explain_choice {
     size_t least_arms, most_arms; /* the most is at most PALP_ARMS_MAX */
     size_t n_laws;                /* laws that compete with the spline of 31 knots */
     const palp_law *law; /* [n_laws] the caller's: kind, size, knots and area; coefficients: first guess */
-    bool no_spline;      /* the spline does not compete: one of the laws is taken */
-    size_t per_decade;   /* 0, or so many arms a decade at fixed times, from four samples to three times the
-                            longest run. Arms that the runs do not show are removed. The numbers of arms above
-                            do not count */
-    bool dwell_only;     /* of runs with a dwell, its samples alone are fitted */
+    double *log_odds;  /* [n_laws] the caller's, or NULL: of the spline over each law's nearest, nats; 0 for a
+                          spline of fewer knots */
+    bool no_spline;    /* the spline does not compete: one of the laws is taken */
+    size_t per_decade; /* 0, or so many arms a decade at fixed times, from four samples to three times the
+                          longest run. Arms that the runs do not show are removed. The numbers of arms above
+                          do not count */
+    bool dwell_only;   /* of runs with a dwell, its samples alone are fitted */
 } palp_explain_choice;
 
 /* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy. The evidence of
@@ -334,6 +336,15 @@ PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
                                            const palp_explain_settings *settings,
                                            const palp_explain_choice *choice, palp_specimens_fit *fit,
                                            palp_error *error);
+
+/* palp_explain_material of recordings, all of one height and radius (palp_recording_scale makes them so), as
+ * palpate characterize has it. Samples are taken in blocks, whose length follows from the noise. Units of the
+ * recordings change nothing but the units of the result. specimen[n]: of each, numbered from 0 without a gap;
+ * NULL: one. rms_N and absolute_N of the mean are of all samples. ERR_ARGUMENT too: other sizes. */
+PALP_API palp_status palp_explain_recordings(size_t n, const palp_recording *recordings,
+                                             const size_t *specimen, const palp_explain_settings *settings,
+                                             const palp_explain_choice *choice, palp_specimens_fit *fit,
+                                             palp_error *error);
 
 /* A form of shape p over x. x is the variable of a term, relative to its largest value on the grid. */
 typedef enum palp_formula_form {

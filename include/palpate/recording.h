@@ -35,12 +35,11 @@ typedef enum palp_contact_rule {
 
 /* What a fit assumes about the contacts of several recordings. KNOWN: they are right. COMMON: all are off by
  * the same amount. FREE: each is off by an amount of its own, with a standard deviation estimated from the
- * runs. AUTO: FREE if the runs give evidence for it, else KNOWN; in palp_explain always FREE. */
+ * runs. */
 typedef enum palp_contact_form {
     PALP_CONTACT_KNOWN,
     PALP_CONTACT_COMMON,
-    PALP_CONTACT_FREE,
-    PALP_CONTACT_AUTO
+    PALP_CONTACT_FREE
 } palp_contact_form;
 
 typedef struct palp_recording_settings {
@@ -100,7 +99,8 @@ PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, z
 /* The recording as means of blocks of samples, relative to its contact; the caller frees it. In a block the
  * path is straight and the plate moves by less than deepest_m / parts (10 or more). A block lasts less than
  * 6 / parts of the time since the last corner. Column "samples": of how many samples a row is the mean; 0: it
- * only carries the path, and its force does not count. ERR_ARGUMENT: fewer parts; ERR_NO_MEMORY. */
+ * only carries the path, and its force does not count. A recording that begins under load has such a row of
+ * depth 0 a sample before it. ERR_ARGUMENT: fewer parts; ERR_NO_MEMORY. */
 PALP_API palp_status palp_recording_blocks(const palp_recording *recording, double parts,
                                            palp_experiment **blocks);
 

@@ -128,8 +128,9 @@ palp_status palp_recording_blocks(const palp_recording *rec, double parts, palp_
         counts[i] = rec->use[i] || rec->time_s[i] >= rec->end_s;
     if (!status)
         status = recording_cut(rec, parts, counts, &n, block);
+    const size_t before = rec->depth_m[0] > 0.0; /* a row of the air, where the recording begins under load */
     if (!status)
-        status = palp_experiment_create(n, &e);
+        status = palp_experiment_create(n + before, &e);
     if (!status)
         status = palp_experiment_add_column(e, "samples");
     if (!status) {
@@ -137,7 +138,9 @@ palp_status palp_recording_blocks(const palp_recording *rec, double parts, palp_
                                    palp_experiment_column(e, "force_N"),
                                    palp_experiment_column(e, "samples")};
         for (size_t i = 0; i < n; i++)
-            take_mean(rec, &block[i], i, column);
+            take_mean(rec, &block[i], i + before, column);
+        if (before)
+            column[0][0] = rec->time_s[0] - (rec->n > 1 ? rec->time_s[1] - rec->time_s[0] : 1.0);
     }
     free(block);
     free(counts);

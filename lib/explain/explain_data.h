@@ -76,6 +76,7 @@ typedef struct explain_data {
     bool contacts_average_0; /* exactly, over the runs that are fitted */
     bool law_alone;          /* a misfit of law and arms counts as noise: no discrepancy, no gains */
     bool times_fixed;        /* arms keep their relaxation times */
+    bool reduced;            /* the model is simpler than the runs show: misfit is white noise */
     size_t n_contact_told;   /* runs with a standard deviation of their contact, */
     double contact_told;     /* and the root of the mean of its squares, m */
     size_t n_events;

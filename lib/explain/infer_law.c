@@ -327,19 +327,35 @@ static palp_status settle_with(const infer_search *s, const palp_law *law, infer
     return status;
 }
 
-/* Moves a law towards a given one of the same family until it is stiff enough; at last it is the given one.
- */
+/* A law of the same family that is stiff enough: the given one times what it lacks, or a constant. */
+static palp_status make_stiff(const explain_fit *fit, const palp_law *given, palp_law *law) {
+    const double lowest = palp_law_minimum(given, fit->strain), more = 1.0 + 1e-9;
+    double c[PALP_LAW_MAX] = {0.0}, force;
+    if (lowest > 0.0)
+        return palp_law_scale(given, fmax(1.0, more * fit->softest / lowest), law);
+    if (given->kind != PALP_LAW_POLYNOMIAL)
+        return PALP_ERR_NOT_CONVERGED;
+    palp_law_force(&fit->model.material.law, 1, &fit->strain, &force, NULL, NULL);
+    c[0] = fmax(force / fit->strain, more * fit->softest);
+    return palp_law_polynomial(given->n, c, law);
+}
+
+/* Moves a law towards a stiff one of the same family until it is stiff enough. */
 static palp_status stiffen(const explain_fit *fit, const palp_law *given, palp_law *law) {
     enum { HALVES = 20 };
-    palp_status status = PALP_OK;
+    palp_law stiff;
+    if (explain_is_stiff(fit, law))
+        return PALP_OK;
+    palp_status status = make_stiff(fit, given, &stiff);
     for (int i = 0; i < HALVES && !status && !explain_is_stiff(fit, law); i++) {
         double middle[PALP_LAW_MAX];
         for (size_t c = 0; c < law->n; c++)
-            middle[c] = 0.5 * (law->coefficients[c] + given->coefficients[c]);
+            middle[c] = 0.5 * (law->coefficients[c] + stiff.coefficients[c]);
         status = palp_law_set_coefficients(law, middle);
     }
-    return status || explain_is_stiff(fit, law) ? status
-                                                : palp_law_set_coefficients(law, given->coefficients);
+    if (!status && !explain_is_stiff(fit, law))
+        *law = stiff;
+    return status;
 }
 
 /* Log odds of the current fit over the law, nats, and the nearest law of its family. A spline of fewer knots
@@ -361,30 +377,63 @@ static palp_status weigh(const infer_search *s, const infer_fit *fit, double *sc
                                                              : weigh_family(&s->fit, fit, &s->data, score);
 }
 
-palp_status infer_law_choose(infer_search *s, const palp_explain_choice *choice) {
-    palp_law best = {.n = 0};
-    double least = HUGE_VAL, score;
+/* The nearest of a family, or no law any more, n 0. */
+typedef struct nearest_law {
+    palp_law law;
+    double nats;
+} nearest_law;
+
+static palp_status judge_all(const infer_search *s, const palp_explain_choice *choice, nearest_law *near) {
     palp_status status = PALP_OK;
     for (size_t i = 0; i < choice->n_laws && !status; i++) {
-        palp_law nearest;
-        double nats;
-        status = judge(s, &choice->law[i], &nearest, &nats);
-        if (!status && nats < least) {
-            least = nats;
-            best = nearest;
+        status = judge(s, &choice->law[i], &near[i].law, &near[i].nats);
+        if (status == PALP_ERR_NOT_CONVERGED) { /* no law of this family is stiff enough */
+            near[i].law.n = 0;
+            status = PALP_OK;
         }
+        if (choice->log_odds)
+            choice->log_odds[i] = near[i].nats;
     }
-    if (status || best.n == 0 || (least >= 0.0 && !choice->no_spline))
-        return status;
-    infer_fit fit;
-    status = settle_with(s, &best, &fit);
-    if (status)
-        return choice->no_spline || status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
-    if (!choice->no_spline && (weigh(s, &fit, &score) || score < s->fit.score)) {
+    return status;
+}
+
+/* The law that is left with the best odds; NULL: there is none. */
+static nearest_law *best_left(size_t n, nearest_law *near) {
+    nearest_law *best = NULL;
+    for (size_t i = 0; i < n; i++)
+        if (near[i].law.n > 0 && (!best || near[i].nats < best->nats))
+            best = &near[i];
+    return best;
+}
+
+/* Fits laws, those of the best odds first, until one is less probable than the best so far. */
+palp_status infer_law_choose(infer_search *s, const palp_explain_choice *choice) {
+    nearest_law *near = calloc(choice->n_laws + 1, sizeof *near), *next;
+    infer_fit best = {.raw = NULL}, fit;
+    palp_status status = near ? judge_all(s, choice, near) : PALP_ERR_NO_MEMORY, last = PALP_OK;
+    double most = s->fit.score, score;
+    while (!status && (next = best_left(choice->n_laws, near)) != NULL) {
+        last = settle_with(s, &next->law, &fit);
+        next->law.n = 0;
+        if (last == PALP_ERR_NO_MEMORY)
+            status = last;
+        if (last)
+            continue;
+        const bool first = choice->no_spline && !best.raw, known = weigh(s, &fit, &score) == PALP_OK;
+        const bool better = first || (known && score > most);
+        if (better) {
+            most = known ? score : -HUGE_VAL;
+            infer_fit_exchange(&best, &fit);
+        }
         infer_fit_free(&fit);
-        return PALP_OK;
+        if (!better)
+            break;
     }
-    infer_fit_free(&s->fit);
-    s->fit = fit;
-    return PALP_OK;
+    if (!status && best.raw)
+        infer_fit_exchange(&s->fit, &best);
+    else if (!status && choice->no_spline)
+        status = last ? last : PALP_ERR_NOT_CONVERGED;
+    infer_fit_free(&best);
+    free(near);
+    return status;
 }

@@ -161,7 +161,9 @@ palp_status infer_noise_learn(infer_fit *fit, const explain_data *data, size_t e
     palp_status status = infer_tails_learn(fit, data);
     learning l = {.fit = fit,
                   .data = data,
-                  .n = fit->noise.encoder > 0.0 ? N : INFER_BY_ENCODER,
+                  .n = data->reduced              ? INFER_BY_WHITE + 1
+                       : fit->noise.encoder > 0.0 ? N
+                                                  : INFER_BY_ENCODER,
                   .start = fit->noise,
                   .promised = fit->promised,
                   .least = HUGE_VAL};

@@ -1,12 +1,51 @@
 /* infer_material.c: a lumped solid from runs: a law, and the number of arms with the largest evidence. */
 #include <palpate/explain.h>
 
+#include "base/dense.h"
 #include "base/file.h"
 #include "infer_search.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Log likelihood of a fit whose law may bend as it likes. */
+static palp_status fit_freely(const infer_search *s, const infer_fit *fit, double *log_likelihood) {
+    enum { EVALUATIONS = 8 };
+    const double FREE = 10.0; /* bends of the logarithm: as large as any */
+    infer_fit freely;
+    infer_posterior p = {.memory = NULL};
+    palp_status status = infer_fit_copy(fit, &s->data, &freely);
+    if (status)
+        return status;
+    freely.sizes.bend = FREE;
+    for (size_t i = 0; i < PALP_LAW_MAX; i++)
+        freely.certain[i] = 1.0;
+    status = infer_fit_improve(&freely, &s->data, EVALUATIONS);
+    if (!status)
+        status = infer_posterior_find(&freely, &s->data, &p);
+    *log_likelihood = -0.5 * (p.here + freely.log_noise);
+    infer_posterior_free(&p);
+    infer_fit_free(&freely);
+    return status;
+}
+
+/* By how much an arm makes the runs more probable, nats; if that is less, by how much more likely beside a
+ * law that may bend as it likes. At one speed a law can take the place of any arm,
+ * though an arm may be more probable than the law's bends. wanted: less than this need not be known. */
+static palp_status weigh_arm(const infer_search *s, const infer_fit *with, const infer_fit *without,
+                             double wanted, double *nats) {
+    double freely[2] = {0.0, 0.0};
+    *nats = with->score - without->score;
+    if (*nats <= wanted)
+        return PALP_OK;
+    palp_status status = fit_freely(s, with, &freely[0]);
+    if (!status)
+        status = fit_freely(s, without, &freely[1]);
+    if (!status)
+        *nats = fmin(*nats, freely[0] - freely[1]);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
 
 /* The added arm, last of the trial's effects, becomes one of the material's, if the fit with it is so much
  * more probable, nats. */
@@ -23,7 +62,10 @@ static palp_status take_arm(infer_search *s, infer_trial *t, double wanted, bool
     status = infer_begin(&next, &s->data, s->settings);
     if (!status)
         status = infer_fit_converge(&next, &s->data);
-    *taken = !status && next.score - s->fit.score > wanted;
+    double nats = 0.0;
+    if (!status)
+        status = weigh_arm(s, &next, &s->fit, wanted, &nats);
+    *taken = !status && nats > wanted;
     if (!*taken) {
         infer_fit_free(&next);
         return status;
@@ -92,20 +134,38 @@ static palp_status place_arms(const explain_data *data, const palp_explain_choic
     return PALP_OK;
 }
 
-/* A stiffness that is constant, of the largest force and depth; arms, if there may be any, have half of it.
- */
+/* The same arms driven by the elastic force, if that is more probable. So many arms follow any spectrum; from
+ * few the other drive may not be found. */
+static palp_status start_driven(infer_search *s) {
+    enum { ROUNDS = 3 };
+    palp_model model = s->fit.c.model;
+    infer_fit driven;
+    model.material.quasi_linear = true;
+    palp_status status = infer_fit_create(&model, &s->data, &s->fit, &driven);
+    if (status)
+        return status;
+    status = infer_fit_evaluate(&driven, &s->data);
+    if (!status)
+        status = infer_fit_settle(&driven, &s->data, ROUNDS, true);
+    if (!status && driven.score > s->fit.score)
+        infer_fit_exchange(&s->fit, &driven);
+    infer_fit_free(&driven);
+    return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
+}
+
+/* A stiffness that is constant, of the largest force and depth; the arms have half of it. */
 static palp_status start(infer_search *s, palp_model *model, const palp_explain_choice *choice,
                          palp_error *error) {
     const double whole = s->data.peak * s->data.height / s->data.deepest;
-    const bool arms = choice->most_arms > 0 || choice->per_decade > 0;
-    const double own = arms ? 0.5 * whole : whole;
-    model->material.n_arms = 0;
-    palp_status status = arms ? place_arms(&s->data, choice, own, &model->material, error) : PALP_OK;
+    const double own = 0.5 * whole;
+    palp_status status = place_arms(&s->data, choice, own, &model->material, error);
     if (!status)
         status = palp_law_polynomial(1, &own, &model->material.law);
     if (!status)
         status = infer_fit_create(model, &s->data, NULL, &s->fit);
-    return status ? status : infer_begin(&s->fit, &s->data, s->settings);
+    if (!status)
+        status = infer_begin(&s->fit, &s->data, s->settings);
+    return status ? status : start_driven(s);
 }
 
 /* The current fit without arm j, near its best parameters; raw NULL: there is none. */
@@ -132,13 +192,40 @@ static palp_status take_out(const infer_search *s, size_t j, infer_fit *fit) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* The fit without the arm whose evidence is smallest; raw NULL: there is none. */
+/* Variance of the logarithm of each arm's stiffness, variance[n_arms]. */
+static palp_status find_variances(const infer_search *s, double *variance) {
+    const palp_material *m = &s->fit.c.model.material;
+    infer_posterior p;
+    palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
+    double *unit = status ? NULL : calloc(p.g + 1, sizeof *unit);
+    if (!status && !unit)
+        status = PALP_ERR_NO_MEMORY;
+    for (size_t j = 0; j < m->n_arms && !status; j++) {
+        memset(unit, 0, p.g * sizeof *unit);
+        unit[p.hats + m->law.n + 2 * j] = 1.0;
+        dense_forward(p.g, p.factor, 1, unit);
+        variance[j] = dense_dot(p.g, unit, unit);
+    }
+    free(unit);
+    infer_posterior_free(&p);
+    return status;
+}
+
+/* The fit without the arm whose evidence is smallest, of those whose stiffnesses are the least certain; raw
+ * NULL: there is none. */
 static palp_status find_needless(const infer_search *s, infer_fit *best) {
-    palp_status status = PALP_OK;
+    enum { TRIED = 3 };
+    const size_t n = s->fit.c.model.material.n_arms;
+    double variance[PALP_ARMS_MAX];
     memset(best, 0, sizeof *best);
-    for (size_t j = 0; j < s->fit.c.model.material.n_arms && !status; j++) {
+    palp_status status = find_variances(s, variance);
+    for (size_t i = 0; i < TRIED && i < n && !status; i++) {
         infer_fit fit;
-        status = take_out(s, j, &fit);
+        size_t least = 0;
+        for (size_t j = 1; j < n; j++)
+            least = variance[j] > variance[least] ? j : least;
+        variance[least] = -1.0;
+        status = take_out(s, least, &fit);
         if (!status && fit.raw && (!best->raw || fit.score > best->score))
             infer_fit_exchange(best, &fit);
         infer_fit_free(&fit);
@@ -150,20 +237,60 @@ static palp_status find_needless(const infer_search *s, infer_fit *best) {
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
-/* Removes arms whose evidence is below the threshold, and those that are too many. */
-static palp_status drop_arms(infer_search *s, size_t least, size_t most) {
+/* Removes arms whose evidence is below the threshold. */
+static palp_status drop_arms(infer_search *s, size_t least) {
     const double wanted = infer_threshold(s->settings) + infer_price(s);
     palp_status status = PALP_OK;
     for (bool taken = true; taken && !status && s->fit.c.model.material.n_arms > least;) {
-        const bool too_many = s->fit.c.model.material.n_arms > most;
+        double nats = 0.0;
         infer_fit fit;
-        if (!too_many && s->settings->stop && s->settings->stop(s->settings->stop_user))
+        if (s->settings->stop && s->settings->stop(s->settings->stop_user))
             return PALP_ERR_STOPPED;
         status = find_needless(s, &fit);
-        taken = !status && fit.raw && (too_many || s->fit.score - fit.score <= wanted);
+        if (!status && fit.raw)
+            status = weigh_arm(s, &s->fit, &fit, wanted, &nats);
+        taken = !status && fit.raw && nats <= wanted;
         if (taken)
             infer_fit_exchange(&s->fit, &fit);
         infer_fit_free(&fit);
+    }
+    return status;
+}
+
+/* A simpler model than the runs show is asked for. It shall follow them as closely as it can: all that it
+ * misses is white noise. Correlated noise and tails would take its place. */
+static palp_status reduce(infer_search *s) {
+    infer_noise *noise = &s->fit.noise;
+    s->data.reduced = true;
+    noise->freedom = 1000.0;
+    for (int a = 0; a < INFER_SLOW; a++) {
+        noise->slow[a] = 0.0;
+        noise->slow_freedom[a] = 1000.0;
+    }
+    for (size_t i = 0; i < s->data.n; i++) {
+        s->fit.sample[i].certain = 1.0;
+        for (size_t a = 0; a < INFER_SLOW; a++)
+            s->fit.sample[i].steady[a] = 1.0;
+    }
+    palp_status status = infer_fit_products(&s->fit, &s->data);
+    if (!status)
+        status = infer_fit_score(&s->fit, &s->data);
+    return status ? status : infer_fit_converge(&s->fit, &s->data);
+}
+
+/* Removes arms that are too many, those first whose evidence is smallest. */
+static palp_status leave_arms(infer_search *s, size_t most) {
+    palp_status status = s->fit.c.model.material.n_arms > most ? reduce(s) : PALP_OK;
+    while (!status && s->fit.c.model.material.n_arms > most) {
+        infer_fit fit;
+        status = find_needless(s, &fit);
+        if (!status && !fit.raw)
+            status = PALP_ERR_NOT_CONVERGED;
+        if (!status)
+            infer_fit_exchange(&s->fit, &fit);
+        infer_fit_free(&fit);
+        if (!status)
+            status = infer_fit_converge(&s->fit, &s->data);
     }
     return status;
 }
@@ -181,8 +308,7 @@ static palp_status search_arms(infer_search *s, palp_model model, const palp_exp
     palp_status status = start(s, &model, choice, error);
     advance(s, 0.25);
     if (!status)
-        status = drop_arms(s, choice->per_decade ? 0 : choice->least_arms,
-                           choice->per_decade ? PALP_ARMS_MAX : choice->most_arms);
+        status = drop_arms(s, choice->per_decade ? 0 : choice->least_arms);
     advance(s, 0.15);
     if (!status)
         status = infer_fit_converge(&s->fit, &s->data);
@@ -268,8 +394,14 @@ static palp_status characterize(infer_search *s, const palp_model *model, size_t
     palp_status status = search_in_two_ways(s, model, choice, error);
     fit->mean.converged = status != PALP_ERR_STOPPED;
     status = fit->mean.converged ? status : PALP_OK;
+    if (!status && !choice->per_decade)
+        status = leave_arms(s, choice->most_arms);
+    const double score = s->fit.score;
     if (!status)
         status = infer_law_choose(s, choice);
+    if (!status && choice->no_spline && !s->data.reduced && fit->mean.converged &&
+        score - s->fit.score > infer_threshold(s->settings))
+        status = reduce(s);
     if (!status)
         status = fit->mean.converged ? infer_fit_converge(&s->fit, &s->data)
                                      : infer_fit_improve(&s->fit, &s->data, INFER_LAST);

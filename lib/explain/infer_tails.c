@@ -134,6 +134,8 @@ static palp_status find_left(const infer_fit *fit, const explain_data *data, dou
 palp_status infer_tails_learn(infer_fit *fit, const explain_data *data) {
     enum { ROUNDS = 4 };
     const size_t n = data->n;
+    if (data->reduced)
+        return PALP_OK;
     double *left =
         malloc(((4 + INFER_SLOW) * n + (INFER_FILTER + 2) * data->longest + INFER_STATES) * sizeof *left);
     infer_sample *was = malloc(n * sizeof *was);

@@ -1,4 +1,6 @@
 /* characterize.c: the fit's result: estimates with intervals, merged arms, residuals of each recording. */
+#include <palpate/forward.h>
+
 #include "base/dense.h"
 #include "base/file.h"
 #include "fit_internal.h"
@@ -184,6 +186,20 @@ static void run_along(const palp_material *material, size_t n, const double *tim
     }
 }
 
+/* The same of arms that the elastic force drives, and of a surface that the plate may leave. */
+static palp_status run_quasi_linear(const palp_material *material, const palp_recording *rec, double *at) {
+    const palp_model model = {.kind = PALP_MODEL_LUMPED, .height_m = rec->height_m, .material = *material};
+    double *depth = malloc(rec->n * sizeof *depth);
+    if (!depth)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t i = 0; i < rec->n; i++)
+        depth[i] = at[i] * rec->height_m;
+    const palp_forward_run run = {.n = rec->n, .time_s = rec->time_s, .depth_m = depth};
+    palp_status status = palp_forward_force(&model, &run, at, NULL, NULL);
+    free(depth);
+    return status;
+}
+
 palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const palp_recording *rec,
                                   double *force_N) {
     if (!fit || !rec || !force_N)
@@ -204,6 +220,8 @@ palp_status palp_lumped_fit_force(const palp_lumped_fit *fit, size_t run, const 
     }
     if (status)
         return status;
+    if (material.quasi_linear)
+        return run_quasi_linear(&material, rec, force_N);
     bool leaves = fit_leaves(rec);
     double *strain = leaves ? malloc(rec->n * sizeof *strain) : NULL;
     if (leaves && !strain)
@@ -258,47 +276,6 @@ palp_status fit_solve_and_merge(fit_problem *p, double *v, fit_curvature *c, pal
     }
 }
 
-/* Whether the contacts count as known. */
-static palp_status judge_contacts(const fit_problem *p, const double *v, bool *known) {
-    const double strong = log(20.0);
-    double evidence = 0.0;
-    palp_contact_form form = p->settings->contact;
-    *known = p->n_times || p->settings->spring != PALP_SPRING_LAW || form == PALP_CONTACT_KNOWN ||
-             (form != PALP_CONTACT_COMMON && p->n_runs < 2);
-    if (*known || form != PALP_CONTACT_AUTO)
-        return PALP_OK;
-    palp_status status = fit_contacts_weigh(p, v, &evidence);
-    *known = !(evidence > strong);
-    return status;
-}
-
-/* The fit again with unknown contacts; its intervals include their uncertainty. */
-static palp_status free_contacts(fit_problem *p, double *v, fit_curvature *c, palp_lumped_fit *fit) {
-    size_t n = fit_parameter_count(p);
-    bool common = p->settings->contact == PALP_CONTACT_COMMON;
-    fit_contacts contacts;
-    palp_status status = fit_contacts_create(p, common, &contacts);
-    fit->contact_m = calloc(p->n_runs, sizeof(double));
-    fit->contact_sd_m = calloc(p->n_runs, sizeof(double));
-    if (!fit->contact_m || !fit->contact_sd_m)
-        status = PALP_ERR_NO_MEMORY;
-    if (!status)
-        status = fit_contacts_solve(p, v, &contacts, &fit->converged);
-    for (size_t r = 0; r < p->n_runs && !status; r++) {
-        size_t q = common ? 0 : r;
-        fit->contact_m[r] = contacts.shift[q] * p->height_m;
-        fit->contact_sd_m[r] = contacts.shift_sd[q] * p->height_m;
-        p->run[r].contact_sd = 0.0; /* no longer beside the fit */
-    }
-    fit->contact_scatter_m = common ? 0.0 : contacts.scatter * p->height_m;
-    if (!status)
-        status = fit_find_curvature(p, v, c);
-    if (!status)
-        memcpy(c->covariance, contacts.covariance, n * n * sizeof *c->covariance);
-    fit_contacts_free(&contacts);
-    return status;
-}
-
 palp_status fit_finish(fit_problem *p, const double *v, const fit_curvature *c, size_t n,
                        const palp_recording *recordings, const palp_characterize_settings *settings,
                        palp_lumped_fit *fit) {
@@ -349,11 +326,6 @@ palp_status palp_characterize_fit(size_t n, const palp_recording *recordings,
     } else if (!status) {
         status = fit_solve_and_merge(&p, v, &c, fit);
     }
-    bool known = false;
-    if (!status)
-        status = judge_contacts(&p, v, &known);
-    if (!status && !known)
-        status = free_contacts(&p, v, &c, fit);
     if (!status)
         status = fit_finish(&p, v, &c, n, recordings, settings, fit);
     if (!status && settings->arms == PALP_ARMS_FRACTIONAL)

@@ -119,25 +119,18 @@ static void bound_times(fit_problem *p, const palp_recording *recordings) {
     p->tau_max = p->settings->tau_max_s > 0.0 ? p->settings->tau_max_s : 3.0 * longest;
 }
 
-/* Times of arms that are not free. */
+/* Times of the arms of a fractional element, which extends to faster times than a free arm could be
+ * identified at. */
 static palp_status choose_times(fit_problem *p, palp_error *error) {
     const palp_characterize_settings *s = p->settings;
-    double decades = log10(p->tau_max / p->tau_min), each = (double)(s->per_decade ? s->per_decade : 1);
+    const double faster = 1.0, step = (log10(p->tau_max / p->tau_min) + faster) / (PALP_ARMS_MAX - 1);
     p->n_arms = s->n_arms;
     if (s->arms == PALP_ARMS_FREE)
         return PALP_OK;
-    if (s->arms == PALP_ARMS_FRACTIONAL && s->spring == PALP_SPRING_PER_RUN)
+    if (s->spring == PALP_SPRING_PER_RUN)
         return palp_error_set(error, PALP_ERR_ARGUMENT,
                               "a fractional element goes with one law of all recordings");
-    double wanted = s->arms == PALP_ARMS_LOG ? ceil(each * decades - 1e-9) + 1.0 : PALP_ARMS_MAX;
-    if (wanted > PALP_ARMS_MAX)
-        return palp_error_set(error, PALP_ERR_LIMIT,
-                              "%g arms a decade over %.3g decades of time are more than %d", each, decades,
-                              PALP_ARMS_MAX);
-    p->n_arms = p->n_times = (size_t)wanted;
-    /* A fractional element extends to faster times than a free arm could be identified at. */
-    double faster = s->arms == PALP_ARMS_LOG ? 0.0 : 1.0,
-           step = faster > 0.0 ? (decades + faster) / (PALP_ARMS_MAX - 1) : 1.0 / each;
+    p->n_arms = p->n_times = PALP_ARMS_MAX;
     for (size_t j = 0; j < p->n_times; j++)
         p->time[j] = p->tau_min * pow(10.0, step * (double)j - faster);
     return PALP_OK;

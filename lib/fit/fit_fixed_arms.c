@@ -1,9 +1,7 @@
-/* fit_fixed_arms.c: arms at fixed times, even in log: a spectrum that is not negative, or that of a
- * fractional element. */
+/* fit_fixed_arms.c: arms at fixed times, even in log, with the spectrum of a fractional element. */
 #include "base/dense.h"
 #include "fit_internal.h"
 #include "solve/least_squares.h"
-#include "solve/nnls.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -31,65 +29,6 @@ static palp_status normal_make(const fit_problem *p, normal *e) {
         for (size_t b = 0; b < a; b++)
             e->gram[b * e->n + a] = e->gram[a * e->n + b];
     return status;
-}
-
-/* ---- a spectrum that is not negative ---- */
-
-/* Least |L' x - L^-1 right| with L L' the gram matrix, each column once more with the other sign where it may
- * be negative. */
-static palp_status solve_positive(const normal *e, double *solution) {
-    size_t n = e->n, all = n + e->springs;
-    double *l = calloc(n * n + all * n + n + all, sizeof *l), *a = l + n * n, *b = a + all * n, *x = b + n,
-           residual;
-    if (!l)
-        return PALP_ERR_NO_MEMORY;
-    memcpy(l, e->gram, n * n * sizeof *l);
-    memcpy(b, e->right, n * sizeof *b);
-    for (size_t k = 0; k < n; k++)
-        l[k * n + k] *= 1.0 + 1e-12;
-    palp_status status = dense_cholesky(n, l) ? PALP_OK : PALP_ERR_SINGULAR;
-    if (!status)
-        dense_forward(n, l, 1, b);
-    for (size_t k = 0; k < all; k++) { /* column k of L' is row k of L */
-        size_t column = k < n ? k : k - n;
-        for (size_t i = 0; i <= column; i++)
-            a[k * n + i] = (k < n ? 1.0 : -1.0) * l[column * n + i];
-    }
-    if (!status)
-        status = nnls_solve(n, all, a, b, 0.0, all, x, &residual);
-    for (size_t k = 0; k < n; k++)
-        solution[k] = x[k] - (k < e->springs ? x[n + k] : 0.0);
-    free(l);
-    return status;
-}
-
-/* The parameters that are left free: springs and log K_j. */
-static palp_status reduce_log(fit_problem *p) {
-    size_t n = fit_parameter_count(p);
-    p->n_reduced = p->n_springs + p->n_arms;
-    p->reduced = arena_take(&p->memory, n * p->n_reduced, sizeof *p->reduced);
-    if (!p->reduced)
-        return PALP_ERR_NO_MEMORY;
-    for (size_t k = 0; k < p->n_reduced; k++)
-        p->reduced[k * n + (k < p->n_springs ? k : 2 * k - p->n_springs)] = 1.0;
-    return PALP_OK;
-}
-
-static palp_status solve_log(fit_problem *p, const normal *e, double *v) {
-    double solution[FIT_PARAMETERS_MAX];
-    palp_status status = solve_positive(e, solution);
-    if (status)
-        return status;
-    fit_springs_of(p, solution, v);
-    p->n_arms = 0;
-    for (size_t j = 0; j < p->n_times; j++) {
-        double stiffness = solution[e->springs + j];
-        if (!(stiffness > 1e-6 * p->stiffness))
-            continue;
-        v[p->n_springs + 2 * p->n_arms] = log(stiffness);
-        v[p->n_springs + 2 * p->n_arms++ + 1] = log(p->time[j]);
-    }
-    return reduce_log(p);
 }
 
 /* ---- a fractional element ---- */
@@ -304,8 +243,7 @@ palp_status fit_solve_spectrum(fit_problem *p, double *v, double *theta, bool *c
     palp_status status = normal_make(p, &e);
     *converged = true;
     if (!status)
-        status = p->settings->arms == PALP_ARMS_LOG ? solve_log(p, &e, v)
-                                                    : solve_fractional(p, &e, v, theta, converged);
+        status = solve_fractional(p, &e, v, theta, converged);
     free(e.gram);
     return status;
 }

@@ -35,12 +35,11 @@ typedef struct fit_problem {
     palp_law law;     /* kind and shape; a constant with PALP_SPRING_PER_RUN */
     size_t n_arms;
     double least;               /* K(e) stays above this share of the stiffness of all; 0 = it is free */
-    size_t n_times;             /* arms at fixed times: LOG and FRACTIONAL; 0 = free ones */
+    size_t n_times;             /* arms at fixed times: FRACTIONAL; 0 = free ones */
     double time[PALP_ARMS_MAX]; /* [n_times] rising, even in log */
     size_t n_reduced;           /* number of parameters on which they then depend; 0 = all */
-    double *reduced; /* [n_parameters n_reduced] by columns: derivatives of the parameters by those */
-    const unsigned char *held_out; /* [n_blocks] 1 = not fitted; NULL = all are */
-    double stop_relative;          /* a fit stops where chi2 no longer falls by this part of it */
+    double *reduced;      /* [n_parameters n_reduced] by columns: derivatives of the parameters by those */
+    double stop_relative; /* a fit stops where chi2 no longer falls by this part of it */
 } fit_problem;
 
 enum { FIT_PARAMETERS_MAX = 512 };
@@ -136,35 +135,6 @@ palp_status fit_estimate_fractional(const fit_problem *problem, const double *th
  * or not finite. */
 palp_status fit_invert(size_t n, double *a, double *inverse);
 
-/* The shift of contact from the assumed one, in strain, a nuisance parameter of the fit: one for all runs, or
- * one for each run. Their scatter is then estimated from the runs, as the mean square of estimates and their
- * variances together. */
-typedef struct fit_contacts {
-    arena memory;
-    bool common;
-    size_t n;                 /* 1 or n_runs */
-    double *plain;            /* [n_blocks] strains of the recordings */
-    double *shift, *shift_sd; /* [n] later contact is positive */
-    double *sd;               /* [n_runs] the recordings' own */
-    double scatter, misfit;
-    double *covariance; /* [n_parameters^2] of the fit's parameters with the shifts free */
-} fit_contacts;
-
-palp_status fit_contacts_create(const fit_problem *problem, bool common, fit_contacts *contacts);
-void fit_contacts_free(fit_contacts *contacts);
-
-/* Residual by shift by[n_blocks], by differences: a run's blocks depend on its own shift alone. other:
- * scratch, as large. */
-palp_status fit_contacts_differentiate(const fit_problem *problem, const fit_contacts *contacts,
-                                       const double *p, double *by, double *other);
-
-/* log of the Bayes factor of contacts that scatter over known ones, from the residual of a fit p with known
- * contacts. */
-palp_status fit_contacts_weigh(const fit_problem *problem, const double *p, double *log_evidence);
-
-/* From a fit p with known contacts; the problem's strains are then those of the contacts found. */
-palp_status fit_contacts_solve(fit_problem *problem, double *p, fit_contacts *contacts, bool *converged);
-
 /* The law of a parameter vector, and the whole material with the arms in order of tau. */
 palp_status fit_law(const fit_problem *problem, const double *p, palp_law *law);
 palp_status fit_material(const fit_problem *problem, const double *p, palp_material *material);
@@ -174,12 +144,6 @@ palp_status fit_material(const fit_problem *problem, const double *p, palp_mater
  * log K is above 2. covariance[n n] of the parameters v[n], times in rising order; widen: factor on the
  * sds. */
 size_t fit_weakest_arm(const fit_problem *problem, const double *v, const double *covariance, double widen);
-
-/* The candidate to take by its losses, loss[candidates groups] (0: a group without any): the first
- * whose losses are typically within two standard errors of the best one's, or within a fifth (a tenth in
- * rms): a smaller gain does not justify a parameter. score[candidates]: mean losses; sd[candidates]: standard
- * error of the difference to the best. */
-size_t fit_choose(size_t candidates, size_t groups, const double *loss, double *score, double *sd);
 
 /* The message of a status for a user of recordings. A message that is in error already stays. */
 palp_status fit_failed(palp_error *error, palp_status status, const char *recording);

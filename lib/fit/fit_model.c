@@ -114,7 +114,7 @@ palp_status fit_evaluate(const fit_problem *p, const double *v, double *residual
         bool pulled = false;
         for (size_t i = 0; i < run->n; i++) {
             size_t row = first + i;
-            double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise;
+            double weight = sqrt(run->count[i]) / run->noise;
             if (weight == 0.0) {
                 silence(p, row, residual, jacobian);
                 if (!run->leaves)

@@ -211,7 +211,7 @@ palp_status fit_run_one_sided(const fit_problem *p, const palp_law *law, const d
     for (size_t i = 0; i < run->n && !status; i++) {
         double force = advance(&s, run->strain[i], i ? run->time[i] - run->time[i - 1] : -1.0, force_p, work);
         size_t row = first + i;
-        double weight = p->held_out && p->held_out[row] ? 0.0 : sqrt(run->count[i]) / run->noise;
+        double weight = sqrt(run->count[i]) / run->noise;
         residual[row] = weight * (force - run->force[i]);
         for (size_t k = 0; k < s.n && jacobian; k++) {
             size_t column = k < s.n_springs ? (own ? r : k) : p->n_springs + k - s.n_springs;

@@ -69,7 +69,7 @@ static palp_status sum_up(scan *s) {
             fit_arm_response(run, s->tau[k], response + k * run->n, NULL);
         for (size_t i = 0; i < run->n; i++, block++) {
             double weight = run->count[i] / (run->noise * run->noise);
-            if (weight == 0.0 || (p->held_out && p->held_out[block]))
+            if (weight == 0.0)
                 continue;
             fill_row(s, r, i, response, row);
             for (size_t a = 0; a < s->columns; a++) {

@@ -15,7 +15,7 @@ estimate() { awk -v n="\"$1\"," -v k="\"$3\":" '/"correlation"/ { exit } $2 == n
 
 expect 0 characterize static.csv hold?.csv --out lumped.json --json
 cp out joint.json
-for key in palpate command law arms estimates correlation runs static arms_scores per_depth shared comparison warnings \
+for key in palpate command law arms estimates correlation runs static law_scores per_depth shared comparison warnings \
     filter total_absolute_residual_N; do
     grep -q "^  \"$key\":" out || fail "--json lacks $key"
 done
@@ -135,8 +135,11 @@ expect 0 characterize hold5.csv --arms 2 --json
 grep -qF "one ramp to one depth at one speed cannot separate K(e) from arms faster than the ramp" err || fail "one ramp: $(cat err)"
 awk '/"law"/ { on = 1 } on && /"coefficients_N"/ { list = 1; next } list && /\]/ { exit } list { gsub(/[ ,]/, ""); c[n++] = $1 }
     END { e = 5 / 24; for (i = n; i-- > 0;) k = k * e + c[i]; exit !(n > 1 && k > 0.99 * 9.184 && k < 1.01 * 9.184) }' out || fail "one ramp: K at its depth"
-expect 0 characterize static.csv --degree 4 --json
-near "a static run alone: no arms" "$(grep -c '"tau_s"' out)" 0 0 0
+expect 0 characterize static.csv --arms 0 --degree 4 --json
+near "a static run alone, --arms 0: no arms" "$(grep -c '"tau_s"' out)" 0 0 0
+grep -qF "cannot separate K(e)" err && fail "there are no arms to separate: $(cat err)"
+expect 0 characterize static.csv --arms 1 --json
+grep -qF "at one speed without a dwell cannot separate K(e) from arms" err || fail "one static run, --arms 1: $(cat err)"
 for law in spline neo_hookean mooney_rivlin2 mooney_rivlin5 yeoh; do
     expect 0 characterize static.csv hold?.csv --arms 2 --law $law --shared-arms --out law.json --json
     grep -q "\"kind\": \"$law\"" out || fail "--law $law is another"
@@ -215,14 +218,14 @@ sed '/^[0-9]/s/$/ /' hold5.csv >again5.csv
 expect 0 characterize hold5.csv again5.csv --arms 1 --degree 2 --result named.json
 grep -q '"name":"fit_log".*"title":"hold5"' named.json && grep -q '"name":"fit_log".*"title":"again5"' named.json || fail "the key does not name runs of one depth"
 
-# The likelihood may choose a polynomial of six coefficients; the plain one beside it is fitted too.
+# The model may have a polynomial of six coefficients; the plain one beside it is fitted too.
 cat >six.json <<'J'
 {"palpate": {"model": 1}, "kind": "lumped", "specimen": {"height_mm": 20}, "arms": [{"stiffness_N": 17, "viscosity_Ns": 3.2}],
  "stiffness": {"kind": "polynomial", "coefficients_N": [4.139, 0.606, 916.6, -6639, 32939, -34412]}}
 J
 expect 0 simulate six.json --protocol static --depth-mm 4 --rate-mm-s 1 --sample-Hz 50 --air-s 1 --noise-N 1e-5 --seed 3 --out six_static.csv
 expect 0 simulate six.json --protocol ramp_hold --depth-mm 3.9 --hold-s 3 --sample-Hz 50 --air-s 1 --noise-N 1e-5 --seed 4 --out six_hold.csv
-expect 0 characterize six_static.csv six_hold.csv --likelihood --out six_found.json
+expect 0 characterize six_static.csv six_hold.csv --out six_found.json
 grep -q '"polynomial", "coefficients_N": \[\([^],]*,\)\{5\}[^],]*\]' six_found.json || fail "no polynomial of six coefficients: $(cat six_found.json)"
 grep -q '^    0.05 ' out || fail "no plain polynomial: $(tail -n 5 out)"
 done_testing

@@ -81,7 +81,7 @@ assert "stopping" in open("err").read(), "the terminal does not say that it stop
 
 # That of characterize by the likelihood too, whose model is the best so far.
 with open("early.json", "w") as out, open("err", "w") as err:
-    process = subprocess.Popen([palpate, "characterize", "run.csv", "--likelihood", "--json"], stdout=out, stderr=err)
+    process = subprocess.Popen([palpate, "characterize", "run.csv", "--json"], stdout=out, stderr=err)
     while process.poll() is None and not caught(process.pid):
         time.sleep(0.001)
     process.send_signal(signal.SIGINT)

@@ -82,7 +82,7 @@ def check_characterize(result, tables, others):
         assert row[0] == os.path.basename(run["file"])
         near(row[1], run["rms_N"], 1000)
     named = [f["name"] for f in others]
-    for name in ["stiffness_law", *(["static_polynomials"] if result["static"] else []), *(["arms_score"] if result["arms_scores"] else []),
+    for name in ["stiffness_law", *(["static_polynomials"] if result["static"] else []),
                  *(["spectrum"] if result["spectrum"] else []), *(["specimens"] if result["specimens"] else [])]:
         assert named.count(name) == 1, f"{name} is there {named.count(name)} times"
 

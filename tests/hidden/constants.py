@@ -4,7 +4,7 @@
     constants.py [--out DIR] [--only NAME,...] [--cases NNN,...] [--list] [--report-only]
 
 The sources are copied to DIR/source, changed there, and built by make. Cases are some of worlds/ (set testers, SEED); where a
-laboratory samples fast, one row in so many is kept. Each variant of the command makes a model (characterize --likelihood) and
+laboratory samples fast, one row in so many is kept. Each variant of the command makes a model (characterize) and
 explains it; an answer is the verdict and the names of the effects. What DIR has is not computed again. One process at a time.
 Exit code 1 if a constant's text is not found exactly once, a variant does not compile, or the unchanged build has no answer."""
 import argparse
@@ -170,7 +170,7 @@ def explain(out, command, variant, case, truth):
         environment = dict(os.environ, OPENBLAS_NUM_THREADS="1", OMP_THREAD_LIMIT="1", LC_ALL="C")
         with tempfile.TemporaryDirectory() as scratch:
             model, answer = os.path.join(scratch, "model.json"), {"verdict": "none", "effects": []}
-            for words in (["characterize", *truth["characterize"].split(), "--likelihood", "--out", model],
+            for words in (["characterize", *truth["characterize"].split(), "--out", model],
                           ["explain", "--model", model, "--jobs", "1", "--out", os.path.join(scratch, "explained.json")]):
                 try:
                     done = subprocess.run([command, words[0], *runs, *words[1:], "--json", "--force"], stdout=subprocess.PIPE,

@@ -9,42 +9,6 @@ START_TEST(null_in_characterize) {
     REFUSED(palp_characterize_fit(2, NULL, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_characterize_fit(2, (void *)storage, NULL, (void *)storage, NULL));
     REFUSED(palp_characterize_fit(2, (void *)storage, (void *)storage, NULL, NULL));
-    REFUSED(palp_characterize_select_arms(2, NULL, (void *)storage, 2, numbers, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_arms(2, (void *)storage, NULL, 2, numbers, numbers, &count, NULL));
-    REFUSED(
-        palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
-    REFUSED(
-        palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
-    REFUSED(
-        palp_characterize_select_arms(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL, NULL));
-    REFUSED(palp_characterize_select_law(2, NULL, (void *)storage, 2, &material.law, numbers, numbers, &count,
-                                         NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, NULL, 2, &material.law, numbers, numbers, &count,
-                                         NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, NULL, numbers, numbers,
-                                         &count, NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, NULL, numbers,
-                                         &count, NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, numbers, NULL,
-                                         &count, NULL));
-    REFUSED(palp_characterize_select_law(2, (void *)storage, (void *)storage, 2, &material.law, numbers,
-                                         numbers, NULL, NULL));
-    REFUSED(palp_characterize_select_degree(2, NULL, (void *)storage, 2, numbers, numbers, &count, NULL));
-    REFUSED(palp_characterize_select_degree(2, (void *)storage, NULL, 2, numbers, numbers, &count, NULL));
-    REFUSED(
-        palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, NULL, numbers, &count, NULL));
-    REFUSED(
-        palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, NULL, &count, NULL));
-    REFUSED(palp_characterize_select_degree(2, (void *)storage, (void *)storage, 2, numbers, numbers, NULL,
-                                            NULL));
-    REFUSED(palp_characterize_specimens(2, NULL, &count, (void *)storage, (void *)storage, NULL));
-    REFUSED(palp_characterize_specimens(2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL));
-    REFUSED(palp_characterize_specimens(2, (void *)storage, &count, NULL, (void *)storage, NULL));
-    REFUSED(palp_characterize_specimens(2, (void *)storage, &count, (void *)storage, NULL, NULL));
-    REFUSED(palp_characterize_level(2, NULL, &count, (void *)storage, numbers, NULL));
-    REFUSED(palp_characterize_level(2, (void *)storage, NULL, (void *)storage, numbers, NULL));
-    REFUSED(palp_characterize_level(2, (void *)storage, &count, NULL, numbers, NULL));
-    REFUSED(palp_characterize_level(2, (void *)storage, &count, (void *)storage, NULL, NULL));
     REFUSED(palp_specimens_fit_stiffness(NULL, 2, numbers, (void *)storage));
     REFUSED(palp_specimens_fit_stiffness((void *)storage, 2, NULL, (void *)storage));
     REFUSED(palp_specimens_fit_stiffness((void *)storage, 2, numbers, NULL));
@@ -153,6 +117,10 @@ START_TEST(null_in_explain) {
     REFUSED(palp_explain_material(&model, 2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL));
     REFUSED(palp_explain_material(&model, 2, (void *)storage, (void *)storage, NULL, (void *)storage, NULL));
     REFUSED(palp_explain_material(&model, 2, (void *)storage, (void *)storage, (void *)storage, NULL, NULL));
+    REFUSED(palp_explain_recordings(2, NULL, NULL, (void *)storage, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_explain_recordings(2, (void *)storage, NULL, NULL, (void *)storage, (void *)storage, NULL));
+    REFUSED(palp_explain_recordings(2, (void *)storage, NULL, (void *)storage, NULL, (void *)storage, NULL));
+    REFUSED(palp_explain_recordings(2, (void *)storage, NULL, (void *)storage, (void *)storage, NULL, NULL));
     REFUSED(palp_explain_frame(2, NULL, (void *)storage, NULL));
     REFUSED(palp_explain_frame(2, (void *)storage, NULL, NULL));
     REFUSED(palp_free_term_check(NULL));

@@ -15,13 +15,12 @@ enum {
     CHARACTERIZE_WARNINGS_MAX = 32,
     DEGREE_MIN = 2, /* of the force polynomial F(e) = K(e) e, as Table 4.1 counts */
     DEGREE_MAX = 7,
-    SELECT_ARMS_MAX = 5,
     SELECT_LAWS_MAX = 20,
     CHARACTERIZE_BAND = 41,
     CHARACTERIZE_SPREAD_MAX = 20
 };
 
-typedef enum characterize_method { METHOD_NLOPT, METHOD_GRID } characterize_method;
+typedef enum characterize_method { METHOD_LIKELIHOOD, METHOD_GRID } characterize_method;
 
 typedef enum characterize_specimens_by {
     SPECIMENS_AUTO,
@@ -37,11 +36,9 @@ typedef struct characterize_options {
     const char *arms_text, *degree_text, *out, *result, *report, *spectrum;
     int contact;                 /* 0 = auto, known, common, free */
     int law_choice, law, method; /* 0 = auto, else 1 + palp_law_kind; palp_law_kind; characterize_method */
-    size_t arms, degree, knots, per_decade;
-    palp_arms_form
-        arms_form; /* of the model; earlier fits have free arms, as many as cross-validation chooses */
+    size_t arms, degree, knots, per_decade; /* per_decade: of --arms log:N */
     bool arms_auto, law_auto, degree_auto, degree_given;
-    bool shared_arms, per_depth, dwell_only, fit_filtered, likelihood, json;
+    bool shared_arms, per_depth, dwell_only, fit_filtered, fractional, json;
     int specimens_by;                                   /* characterize_specimens_by */
     double filter_Hz, height_mm, radius_mm, contact_mm; /* 0, 0, 0, NaN = not given */
     int tip, floor; /* -1 = from the files, else palp_tip_kind; 0 = bonded, slides */
@@ -49,12 +46,6 @@ typedef struct characterize_options {
     double tip_radius_mm, tip_angle_deg, poisson; /* 0, 0, NaN = not given */
     char command[CLI_COMMAND_MAX];
 } characterize_options;
-
-/* Cross-validation scores; index i stands for first + i. */
-typedef struct characterize_scores {
-    size_t first, n, best;
-    double score[SELECT_LAWS_MAX], sd[SELECT_LAWS_MAX], rms_noise[DEGREE_MAX + 2];
-} characterize_scores;
 
 /* K at the depth of a ramp and hold: of the plain static polynomial, the joint law and the run by itself. */
 typedef struct characterize_gap {
@@ -91,8 +82,9 @@ typedef struct characterize_state {
     palp_law plain[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1]; /* [static run][degree]; n = 0: not fitted */
     double norm_N[CHARACTERIZE_RUNS_MAX][DEGREE_MAX + 1];
     size_t degree, n_arms; /* of the final model */
-    characterize_scores degrees, arms, laws;
-    palp_law law[SELECT_LAWS_MAX]; /* [laws.n] first guesses */
+    size_t n_laws;
+    palp_law law[SELECT_LAWS_MAX];    /* first guesses of the laws to choose from */
+    double log_odds[SELECT_LAWS_MAX]; /* of a spline of 31 knots over each, nats */
     palp_contact_form contact;
     double contact_scatter_m;
     size_t n_single;
@@ -129,6 +121,7 @@ void characterize_warn(characterize_state *s, const char *format, ...);
 /* The fit the model comes from. */
 const palp_lumped_fit *characterize_fit_of(const characterize_state *s);
 
+bool characterize_took(const characterize_state *s, size_t k); /* the model's law is of the form of law k */
 double characterize_strain_max(const characterize_state *s);
 double characterize_total(const palp_lumped_fit *fit); /* sum of |residual|, N */
 double characterize_noise_ratio(const palp_lumped_fit *fit, size_t run, const palp_recording *r);
@@ -139,17 +132,9 @@ int characterize_model(const characterize_options *o, characterize_state *s); /*
 palp_characterize_settings characterize_settings(const characterize_options *o, palp_spring_form spring,
                                                  size_t n_arms);
 size_t characterize_depths(const characterize_state *s); /* different depths of dwells, within 2 % */
-int characterize_choose_law(const characterize_options *o, characterize_state *s); /* --law auto */
-palp_status characterize_list_laws(characterize_state *s); /* s->law, by rising number of parameters */
-int characterize_contacts(const characterize_options *o,
-                          characterize_state *s); /* --contact; the runs' depths follow */
-/* Makes depth 0 the fitted contact, whose uncertainty is then the scatter. */
-void characterize_move_contacts(characterize_state *s, const palp_lumped_fit *fit);
-int characterize_likelihood_check(const characterize_options *o);
-int characterize_likelihood(const characterize_options *o, characterize_state *s); /* all of the joint fit */
+palp_status characterize_list_laws(const characterize_options *o, characterize_state *s); /* s->law */
+int characterize_likelihood(const characterize_options *o, characterize_state *s);        /* the model */
 palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law);
-palp_status characterize_guess_polynomial(const characterize_state *s, size_t n,
-                                          palp_law *law); /* of n coefficients */
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law);
 int characterize_tip_read(const characterize_options *o, const palp_experiment *experiment,
                           const palp_recording *run, characterize_state *s); /* of run s->n */
@@ -158,12 +143,7 @@ int characterize_tip_fit(const characterize_options *o,
 void characterize_tip_print(const characterize_state *s);
 json_t *characterize_tip_json(const characterize_state *s); /* null without a tip */
 /* Several specimens. With one, n_specimens is 1 and these functions change nothing. */
-int characterize_group(const characterize_options *o, characterize_state *s);      /* runs as of one size */
-int characterize_find_level(const characterize_options *o, characterize_state *s); /* factor */
-void characterize_level(characterize_state *s,
-                        bool on); /* divides the forces of each specimen by its factor, or undoes this */
-palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings,
-                                       palp_error *error);
+int characterize_group(const characterize_options *o, characterize_state *s); /* runs as of one size */
 void characterize_take_spread(characterize_state *s); /* of s->specimens, whose mean becomes the final fit */
 const char *characterize_specimen_name(const characterize_state *s, size_t k);
 void characterize_print_specimens(const characterize_state *s);

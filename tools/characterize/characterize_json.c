@@ -46,29 +46,15 @@ static json_t *correlation_json(const palp_lumped_fit *f) {
     return rows;
 }
 
-static json_t *scores_json(const characterize_scores *c, const char *what, bool rms) {
-    json_t *list = json_array();
-    for (size_t k = 0; k < c->n; k++) {
-        json_t *to = json_object();
-        json_object_set_new(to, what, json_integer((json_int_t)(c->first + k)));
-        json_figures(to, {"held_out", c->score[k]}, {"excess_sd", c->sd[k]});
-        if (rms)
-            json_figures(to, {"rms_noise", c->rms_noise[k]});
-        json_object_set_new(to, "taken", json_boolean(c->first + k == c->best));
-        json_array_append_new(list, to);
-    }
-    return list;
-}
-
-/* The laws of --law auto, in order of preference. */
+/* The laws that competed with the spline. */
 static json_t *laws_json(const characterize_state *s) {
     json_t *list = json_array();
-    for (size_t k = 0; k < s->laws.n; k++) {
+    for (size_t k = 0; k < s->n_laws && s->n_laws > 1; k++) {
         json_t *to = json_object();
         set_text(to, "kind", palp_law_kind_name(s->law[k].kind));
         json_object_set_new(to, "parameters", json_integer((json_int_t)s->law[k].n));
-        json_figures(to, {"held_out", s->laws.score[k]}, {"excess_sd", s->laws.sd[k]});
-        json_object_set_new(to, "taken", json_boolean(k == s->laws.best));
+        json_figures(to, {"log_odds", s->log_odds[k]});
+        json_object_set_new(to, "taken", json_boolean(characterize_took(s, k)));
         json_array_append_new(list, to);
     }
     return list;
@@ -177,9 +163,7 @@ static void add_lists(json_t *all, const characterize_state *s) {
         json_array_append_new(warnings, json_text(s->warning[i]));
     json_object_set_new(all, "runs", runs);
     json_object_set_new(all, "static", statics);
-    json_object_set_new(all, "degree_scores", scores_json(&s->degrees, "degree", false));
     json_object_set_new(all, "law_scores", laws_json(s));
-    json_object_set_new(all, "arms_scores", scores_json(&s->arms, "n_arms", true));
     json_object_set_new(all, "per_depth", singles);
     json_object_set_new(all, "shared", s->has_shared ? shared_json(s) : json_null());
     json_object_set_new(all, "comparison", gap_json(s));
@@ -197,7 +181,7 @@ json_t *characterize_json(const characterize_options *o, const characterize_stat
     json_object_set_new(all, "palpate",
                         json_pack("{s:i, s:s}", "characterize", 1, "version", palp_version()));
     set_text(all, "command", o->command);
-    set_text(all, "method", o->method == METHOD_GRID ? "grid" : "nlopt");
+    set_text(all, "method", o->method == METHOD_GRID ? "grid" : "likelihood");
     json_object_set_new(all, "hold_only", json_boolean(o->dwell_only));
     json_object_set_new(all, "law", law_json(&s->material.law));
     json_object_set_new(all, "arms", arms_json(&s->material));

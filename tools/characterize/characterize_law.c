@@ -1,10 +1,8 @@
-/* characterize_law.c: first guesses of the stiffness law, and the choice of a law. */
+/* characterize_law.c: first guesses of the stiffness laws. */
 #include "characterize.h"
 
 #include <math.h>
 #include <string.h>
-
-static const char NAME[] = "characterize";
 
 /* Fits a law to K_inf of the depths, as if recorded by a static press, by least squares. */
 palp_status characterize_law_of_depths(const characterize_state *s, size_t degree, palp_law *law) {
@@ -100,59 +98,25 @@ static palp_status guess(const characterize_state *s, palp_law_kind kind, size_t
     return kind == PALP_LAW_SPLINE ? guess_spline(s, size, law) : guess_hyperelastic(s, kind, law);
 }
 
-palp_status characterize_guess_polynomial(const characterize_state *s, size_t n, palp_law *law) {
-    return rough_law(s, n, law);
-}
-
 palp_status characterize_guess(const characterize_options *o, const characterize_state *s, palp_law *law) {
     return guess(s, (palp_law_kind)o->law, o->law == PALP_LAW_SPLINE ? o->knots : s->degree, law);
 }
 
-palp_status characterize_list_laws(characterize_state *s) {
+palp_status characterize_list_laws(const characterize_options *o, characterize_state *s) {
     static const struct {
         palp_law_kind kind;
         size_t size;
     } list[] = {{PALP_LAW_POLYNOMIAL, 1},     {PALP_LAW_NEO_HOOKEAN, 0}, {PALP_LAW_POLYNOMIAL, 2},
                 {PALP_LAW_MOONEY_RIVLIN2, 0}, {PALP_LAW_POLYNOMIAL, 3},  {PALP_LAW_YEOH, 0},
-                {PALP_LAW_SPLINE, 3},         {PALP_LAW_POLYNOMIAL, 4},  {PALP_LAW_OGDEN, 0},
-                {PALP_LAW_SPLINE, 4},         {PALP_LAW_POLYNOMIAL, 5},  {PALP_LAW_MOONEY_RIVLIN5, 0},
-                {PALP_LAW_SPLINE, 5},         {PALP_LAW_POLYNOMIAL, 6},  {PALP_LAW_SPLINE, 6},
-                {PALP_LAW_POLYNOMIAL, 7},     {PALP_LAW_SPLINE, 8}};
+                {PALP_LAW_POLYNOMIAL, 4},     {PALP_LAW_OGDEN, 0},       {PALP_LAW_POLYNOMIAL, 5},
+                {PALP_LAW_MOONEY_RIVLIN5, 0}, {PALP_LAW_POLYNOMIAL, 6},  {PALP_LAW_POLYNOMIAL, 7}};
     palp_status status = PALP_OK;
-    s->laws.n = 0;
+    s->n_laws = 0;
     for (size_t i = 0; i < sizeof list / sizeof list[0] && status == PALP_OK; i++) {
-        if (list[i].kind >= PALP_LAW_NEO_HOOKEAN && radius_of(s) <= 0)
+        if (list[i].kind >= PALP_LAW_NEO_HOOKEAN && (radius_of(s) <= 0 || o->degree_auto))
             continue;
-        status = guess(s, list[i].kind, list[i].size, &s->law[s->laws.n]);
-        s->laws.n += status == PALP_OK;
+        status = guess(s, list[i].kind, list[i].size, &s->law[s->n_laws]);
+        s->n_laws += status == PALP_OK;
     }
     return status;
-}
-
-/* Whether all runs are ramps to one depth at one speed, within a tolerance. */
-static bool one_ramp(const characterize_state *s) {
-    double least = INFINITY, most = 0;
-    for (size_t i = 0; i < s->n; i++) {
-        const palp_recording *r = &s->run[i];
-        double speed = r->deepest_m / fmax(r->ramp_end_s - r->ramp_start_s, 1e-12);
-        least = fmin(least, speed);
-        most = fmax(most, speed);
-    }
-    return s->n_hold == s->n && characterize_depths(s) == 1 && most < 1.5 * least;
-}
-
-int characterize_choose_law(const characterize_options *o, characterize_state *s) {
-    palp_error error = {PALP_OK, ""};
-    palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, s->n_arms);
-    settings.starts = 1;
-    palp_status status = characterize_list_laws(s);
-    if (status == PALP_OK)
-        status = palp_characterize_select_law(s->n, s->run, &settings, s->laws.n, s->law, s->laws.score,
-                                              s->laws.sd, &s->laws.best, &error);
-    if (status)
-        return cli_status(NAME, status, &error);
-    if (one_ramp(s))
-        characterize_warn(s, "one ramp to one depth at one speed cannot separate K(e) from arms faster than "
-                             "the ramp; add a slow static press, or other depths and speeds");
-    return CLI_OK;
 }

@@ -34,20 +34,6 @@ static void print_static(const characterize_state *s) {
     }
 }
 
-static void print_scores(const characterize_scores *c, const char *what, bool rms) {
-    if (c->n == 0)
-        return;
-    printf("Cross-validation: mean square error of held-out blocks over the noise variance\n");
-    printf("  %8s  %12s  %17s%s\n", what, "error", "s.e. of the excess",
-           rms ? "   residual rms / noise" : "");
-    for (size_t k = 0; k < c->n; k++) {
-        printf("  %8zu  %12.5g  %17.3g ", c->first + k, c->score[k], c->sd[k]);
-        if (rms)
-            printf("  %20.4g", c->rms_noise[k]);
-        printf(c->first + k == c->best ? "  <- chosen\n" : "\n");
-    }
-}
-
 static void print_single(const characterize_state *s) {
     char text[2 * DIGITS_TEXT];
     if (s->n_single == 0)
@@ -135,7 +121,7 @@ static void print_shared(const characterize_options *o, const characterize_state
     if (!s->has_shared)
         return;
     printf("Arms shared by the dwells of all depths (as Tables 4.4 and 4.5; %s)\n",
-           o->method == METHOD_GRID ? "grid of Section 4.3.3" : "nlopt");
+           o->method == METHOD_GRID ? "grid of Section 4.3.3" : "least squares");
     if (s->shared.n_estimates)
         print_estimates(&s->shared);
     else
@@ -226,22 +212,19 @@ static void print_spread(const characterize_state *s) {
 }
 
 static void print_laws(const characterize_state *s) {
-    if (s->laws.n == 0)
+    if (s->n_laws < 2)
         return;
-    printf(
-        "Stiffness law by cross-validation: mean square error of held-out blocks over the noise variance\n");
-    printf("  law               parameters         error  s.e. of the excess\n");
-    for (size_t k = 0; k < s->laws.n; k++)
-        printf("  %-16s %11zu  %12.5g  %18.3g%s\n", palp_law_kind_name(s->law[k].kind), s->law[k].n,
-               s->laws.score[k], s->laws.sd[k], k == s->laws.best ? "   chosen" : "");
+    printf("Stiffness law: log odds of a spline of 31 knots over each, nats\n");
+    printf("  law               parameters      log odds\n");
+    for (size_t k = 0; k < s->n_laws; k++)
+        printf("  %-16s %11zu  %12.4g%s\n", palp_law_kind_name(s->law[k].kind), s->law[k].n, s->log_odds[k],
+               characterize_took(s, k) ? "   taken" : "");
 }
 
 int characterize_print(const characterize_options *o, const characterize_state *s) {
     print_static(s);
     print_spread(s);
-    print_scores(&s->degrees, "degree", false);
     print_laws(s);
-    print_scores(&s->arms, "arms", true);
     print_single(s);
     print_shared(o, s);
     print_final(s);

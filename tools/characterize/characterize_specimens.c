@@ -131,34 +131,6 @@ int characterize_group(const characterize_options *options, characterize_state *
     return code || s->n_specimens == 1 ? code : pool(s);
 }
 
-/* Factors of the specimens' forces, by a flexible law and two arms. */
-int characterize_find_level(const characterize_options *o, characterize_state *s) {
-    enum { COEFFICIENTS = 3, ARMS = 2 };
-    palp_error error = {PALP_OK, ""};
-    palp_status status = PALP_ERR_SINGULAR;
-    palp_characterize_settings settings = characterize_settings(o, PALP_SPRING_LAW, 0);
-    for (size_t k = 0; k < s->n_specimens; k++)
-        s->factor[k] = 1.0;
-    if (s->n_specimens < 2 || characterize_guess_polynomial(s, COEFFICIENTS, &settings.law))
-        return CLI_OK;
-    settings.starts = 2;
-    for (size_t arms = s->n > s->n_static ? ARMS + 1 : 1; arms-- > 0 && status == PALP_ERR_SINGULAR;) {
-        settings.n_arms = arms;
-        status = palp_characterize_level(s->n, s->run, s->specimen, &settings, s->factor, &error);
-    }
-    return status ? cli_status(NAME, status, &error) : CLI_OK;
-}
-
-void characterize_level(characterize_state *s, bool on) {
-    if (s->n_specimens < 2)
-        return;
-    for (size_t r = 0; r < s->n; r++) {
-        double radius = s->run[r].radius_m, factor = s->factor[s->specimen[r]];
-        palp_recording_scale(&s->run[r], 1.0, on ? 1.0 / factor : factor);
-        s->run[r].radius_m = radius;
-    }
-}
-
 static void fill_points(characterize_state *s) {
     double top = characterize_strain_max(s), strain[CHARACTERIZE_BAND];
     for (size_t i = 0; i < CHARACTERIZE_BAND; i++)
@@ -167,44 +139,18 @@ static void fill_points(characterize_state *s) {
         s->n_points = CHARACTERIZE_BAND;
 }
 
-static void warn_alike(characterize_state *s) {
-    characterize_warn(s,
-                      "no significant difference between the %zu specimens: all runs are fitted as of one "
-                      "specimen",
-                      s->n_specimens);
-}
-
 void characterize_take_spread(characterize_state *s) {
     if (s->specimens.n_spread > 0) {
         fill_points(s);
         memcpy(s->factor, s->specimens.factor, s->n_specimens * sizeof *s->factor);
     } else if (s->n_specimens > 1)
-        warn_alike(s);
+        characterize_warn(
+            s,
+            "no significant difference between the %zu specimens: all runs are fitted as of one "
+            "specimen",
+            s->n_specimens);
     s->final = s->specimens.mean;
     memset(&s->specimens.mean, 0, sizeof s->specimens.mean);
-}
-
-/* Fits each specimen if its runs identify the parameters; else all runs as of one specimen. */
-palp_status characterize_fit_specimens(characterize_state *s, const palp_characterize_settings *settings,
-                                       palp_error *error) {
-    palp_error why = {PALP_OK, ""};
-    palp_characterize_settings known = *settings;
-    known.contact = PALP_CONTACT_KNOWN;
-    palp_status status = s->n_specimens < 2 ? PALP_ERR_ARGUMENT
-                                            : palp_characterize_specimens(s->n, s->run, s->specimen, &known,
-                                                                          &s->specimens, &why);
-    if (s->n_specimens < 2 || status || s->specimens.n_spread == 0) {
-        if (s->n_specimens > 1 && status)
-            characterize_warn(
-                s, "the specimens cannot be fitted each (%s): all runs are fitted as of one specimen",
-                why.text);
-        else if (s->n_specimens > 1)
-            warn_alike(s);
-        palp_specimens_fit_free(&s->specimens);
-        return palp_characterize_fit(s->n, s->run, settings, &s->final, error);
-    }
-    characterize_take_spread(s);
-    return PALP_OK;
 }
 
 /* Index of parameter i of the model (coefficients, K_j, b_j) among the estimates, which include tau_j. */

@@ -12,6 +12,10 @@ const palp_lumped_fit *characterize_fit_of(const characterize_state *s) {
     return s->has_final ? &s->final : &s->shared;
 }
 
+bool characterize_took(const characterize_state *s, size_t k) {
+    return s->material.law.kind == s->law[k].kind && s->material.law.n == s->law[k].n;
+}
+
 double characterize_strain_max(const characterize_state *s) {
     double most = 0;
     for (size_t i = 0; i < s->n; i++)

@@ -116,11 +116,9 @@ static void judge(const characterize_options *o, characterize_state *s) {
 
 static palp_moduli_settings settings_of(const characterize_options *o, const characterize_state *s) {
     palp_moduli_settings settings = palp_moduli_settings_default();
-    /* Arms of free times as many as asked for, not what one law for all tips has left; of a spectrum at most
-     * three. */
-    settings.n_arms = o->arms_form == PALP_ARMS_FREE ? s->n_arms
-                      : s->material.n_arms < 3       ? s->material.n_arms
-                                                     : 3;
+    /* Arms as many as asked for, not what one law for all tips has left; else at most three. */
+    const size_t found = s->material.n_arms < 3 ? s->material.n_arms : 3;
+    settings.n_arms = o->arms_auto ? found : s->n > s->n_static ? o->arms : 0;
     settings.dwell_only = o->dwell_only;
     settings.contact_known = o->contact == 1 || !isnan(o->contact_mm);
     settings.poisson = o->poisson;

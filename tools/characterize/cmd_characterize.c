@@ -13,32 +13,32 @@ static int parse(int argc, char **argv, characterize_options *o) {
     const cli_option options[] = {
         cli_heading("Model"),
         cli_text("arms", "N|auto|log:N|fractional", &o->arms_text,
-                 "number of Maxwell arms, 0 to 16 (default auto: by cross-validation);\n"
+                 "number of Maxwell arms, 0 to 16 (default auto: by evidence);\n"
                  "log:N: N arms a decade at fixed relaxation times, stiffness >= 0;\n"
                  "fractional: a spring and a springpot in series, as 16 arms"),
         cli_choice("law", "auto|polynomial|spline|neo_hookean|mooney_rivlin2|mooney_rivlin5|yeoh|ogden",
                    &o->law_choice,
-                   "form of the stiffness law K(e), F = K(e) e (default auto: form and size by\n"
-                   "cross-validation; with --degree a polynomial, with --knots a spline)"),
+                   "form of the stiffness law K(e), F = K(e) e (default auto: a spline of 31 knots\n"
+                   "unless another is more probable; with --degree a polynomial, with --knots a\n"
+                   "spline)"),
         cli_text("degree", "N|auto", &o->degree_text,
                  "degree of the force polynomial F(e) = K(e) e, 2 to 7, counted as in Table 4.1\n"
-                 "of Sedef 2008 (default 5, with no more terms than depths); auto: by\ncross-validation"),
+                 "of Sedef 2008 (default 5, with no more terms than depths); auto: by evidence"),
         cli_count("knots", "N", 2, PALP_LAW_MAX, &o->knots, "number of knots of the spline (default 5)"),
         cli_heading("Fit"),
-        cli_flag("shared-arms", &o->shared_arms, "only the fit of one set of arms to all depths"),
-        cli_flag("per-depth", &o->per_depth, "only the fit of each depth by itself (default: both)"),
-        cli_choice("method", "nlopt|grid", &o->method,
-                   "nlopt: weighted least squares from several starts (default); grid:\nthe procedure of "
-                   "Sedef 2008, Section 4.3.3, with one or two arms"),
+        cli_flag("shared-arms", &o->shared_arms,
+                 "beside the model only the fit of one set of arms to the dwells of all depths"),
+        cli_flag("per-depth", &o->per_depth,
+                 "beside the model only the fit of each depth by itself (default: both)"),
+        cli_choice("method", "likelihood|grid", &o->method,
+                   "likelihood: law, arms, contacts and specimens together, by one statistical\n"
+                   "model (default; doc/likelihood.md); grid: the procedure of Sedef 2008,\n"
+                   "Section 4.3.3, with one or two arms"),
         cli_flag("hold-only", &o->dwell_only,
                  "fit the model to the dwells only, without the ramps (the fit of each\n"
                  "depth always does, since K(e) is not constant on a ramp)"),
         cli_flag("fit-filtered", &o->fit_filtered,
                  "fit the filtered force instead of the raw one (biased; to compare)"),
-        cli_flag("likelihood", &o->likelihood,
-                 "law, arms, contacts and specimens by one likelihood (doc/likelihood.md). It\n"
-                 "predicts better where law and arms are of the right kind. auto then chooses by\n"
-                 "evidence; the law is a spline of 31 knots unless another is more probable"),
         cli_heading("Recordings"),
         cli_positive("filter-Hz", "F", 1e6, &o->filter_Hz,
                      "cut-off of the zero-phase Butterworth filter in the figures, Hz\n(default 10, at most "
@@ -119,7 +119,7 @@ static int read_arms(characterize_options *o) {
     double value = 0;
     o->arms_auto = true;
     if (strcmp(o->arms_text, "fractional") == 0) {
-        o->arms_form = PALP_ARMS_FRACTIONAL;
+        o->fractional = true;
         return CLI_OK;
     }
     if (strncmp(o->arms_text, "log:", 4) != 0)
@@ -128,7 +128,6 @@ static int read_arms(characterize_options *o) {
         value > PALP_ARMS_MAX)
         return cli_usage_error(NAME, "--arms log:N takes a whole number from 1 to %d, not \"%s\"",
                                PALP_ARMS_MAX, o->arms_text + 4);
-    o->arms_form = PALP_ARMS_LOG;
     o->per_decade = (size_t)value;
     return CLI_OK;
 }
@@ -140,7 +139,7 @@ static int check_options(characterize_options *o) {
         code = number_or_auto("degree", o->degree_text, DEGREE_MIN, DEGREE_MAX, &o->degree, &o->degree_auto);
     if (code)
         return code;
-    o->law_auto = o->law_choice == 0 && !o->degree_given && o->knots == 0 && o->method == METHOD_NLOPT;
+    o->law_auto = o->law_choice == 0 && !o->degree_given && o->knots == 0 && o->method == METHOD_LIKELIHOOD;
     o->law = o->law_choice > 0 ? o->law_choice - 1 : o->knots > 0 ? PALP_LAW_SPLINE : PALP_LAW_POLYNOMIAL;
     if (o->law != PALP_LAW_POLYNOMIAL && o->degree_given)
         return cli_usage_error(NAME, "--degree goes with --law polynomial");
@@ -153,7 +152,6 @@ static int check_options(characterize_options *o) {
     if (o->method == METHOD_GRID && (o->law != PALP_LAW_POLYNOMIAL || o->per_depth))
         return cli_usage_error(NAME, "--method grid fits shared arms and a polynomial; leave out %s",
                                o->per_depth ? "--per-depth" : "--law");
-    code = characterize_likelihood_check(o);
     o->knots = o->knots ? o->knots : 5;
     return code;
 }
@@ -169,7 +167,7 @@ static int write_model(const characterize_options *o, const characterize_state *
         strcpy(model.specimen_kind, "cylinder");
     model.material = s->material;
     double fractional[3];
-    if (o->arms_form == PALP_ARMS_FRACTIONAL && s->has_final) {
+    if (o->fractional && s->has_final) {
         const palp_estimate *element =
             &s->final.estimate[s->final.n_estimates - 3]; /* the last three: K_frac, tau_frac, exponent */
         for (size_t k = 0; k < 3; k++)

@@ -590,35 +590,19 @@ function static_polynomials(r) {
         "As if the press were at rest; differences in % of the peak.");
 }
 
-function scores_figure(scores, key, name, title, x_label, caption) {
-  const rows = list(scores), taken = rows.filter(s => s.taken), ratio = rows.filter(s => known(s.rms_noise));
-  return rows.length > 0 && plot(name, title, [{ x_label, y_label: "held-out error / noise variance", y_log: true,
-    series: [line("held out", 0, column(rows, key), column(rows, "held_out"), "line_points"),
-      line("taken", 1, column(taken, key), column(taken, "held_out"), "line_points")] },
-  ...(ratio.length ? [{ x_label, y_label: "rms / noise", y_log: true, series: [line(null, 2, column(ratio, key), column(ratio, "rms_noise"),
-    "line_points")] }] : [])], caption);
-}
-
-function scores_table(scores, key, what) {
-  return table("Error on blocks left out of the fit, over the noise variance", `${what}|held-out error|s.e. of the excess|rms over noise|~`,
-    list(scores).map(s => [s[key], short(s.held_out, 5), short(s.excess_sd), padded(s.rms_noise, 4), s.taken ? "taken" : ""]));
-}
-
 function fits() {
   const of_one = r => tables(
     table("Residuals of the model", "recording|rms (mN)|rms over noise|largest (% of peak)|sum (N)", list(r.runs).map(x =>
       [base(x.file), padded(1e3 * x.rms_N, 4), padded(x.rms_noise, 3), fixed(x.largest_residual_percent, 2), padded(x.absolute_N, 5)])),
-    scores_table(r.arms_scores, "n_arms", "arms"), scores_table(r.degree_scores, "degree", "degree of F(e)"),
+    table("Stiffness law: log odds of a spline of 31 knots over each, nats", "law|parameters|log odds|~", list(r.law_scores).map(l =>
+      [l.kind, l.parameters, short(l.log_odds, 3), l.taken ? "taken" : ""])),
     table("Spread of the static presses", "strain|mean force (N)|sd (%)|lowest (N)|highest (N)", list(r.spread).map(s =>
       [fixed(s.strain, 3), padded(s.mean_N, 4), fixed(100 * s.sd_N / s.mean_N, 2), padded(s.low_N, 4), padded(s.high_N, 4)])),
     list(r.static).map(s => table(`Plain polynomials of ${base(s.file)}`,
       "degree of F(e)|norm of the residual (N)|~coefficients of e, e^2, ... (N)",
       list(s.polynomials).map(p => [p.degree, short(p.norm_N, 4), p.coefficients_N.map(c => short(c, 5)).join(", ")]))));
   const shown = figures(named("fit_linear", "fit_log", "fit_first", "fit_depth", "residuals", "fit_static"),
-    results("characterize").map(r => [static_polynomials(r),
-    scores_figure(r.arms_scores, "n_arms", "arms_score", "How many arms", "number of arms",
-      "More arms always fit better; these errors are of samples that the fit did not see."),
-    scores_figure(r.degree_scores, "degree", "degree_score", "Which degree of the force polynomial", "degree of F(e)")]).flat());
+    results("characterize").map(static_polynomials));
   return [shown, ...results("characterize").map(of_one)];
 }
 
@@ -680,7 +664,7 @@ const arms_table = (caption, arms) => table(caption, "arm|stiffness (N)|viscosit
 
 function law_figure(r) {
   const band = list(r.band), points = list(r.comparison), e = column(band, "strain"),
-    taken = list(r.degree_scores).find(s => s.taken)?.degree ?? list(r.law?.coefficients_N).length + 1;
+    taken = list(r.law?.coefficients_N).length || 5;
   const plain = list(list(r.static)[0]?.polynomials).find(p => p.degree === taken);
   const series = [band.length && { style: "band", colour: 0, title: "95 % band", x: e, low: column(band, "stiffness_low_N"),
     high: column(band, "stiffness_high_N") },

@@ -7,15 +7,13 @@ and constant of the library by its C name; help(palpate.c.palp_network_settings)
 from . import c
 from ._base import Error
 from .fits import (Calibration, Explanation, LumpedFit, SpecimensFit, calibrate_presses, calibrate_relaxation, calibrate_static,
-                   characterize, characterize_likelihood, characterize_specimens, explain, guess_law, press, select_arms,
-                   select_degree, select_law)
+                   characterize, characterize_likelihood, characterize_recordings, explain, guess_law, press)
 from .models import Model, Path, covariance, effect, law, law_force, material
 from .networks import Hull, Mesh, Network, Realtime, capsule, hull, plane, sphere
 from .recordings import Experiment, Recording
 
 __version__ = c.VERSION
 __all__ = ['c', 'Error', 'Calibration', 'Explanation', 'LumpedFit', 'SpecimensFit', 'calibrate_presses',
-           'calibrate_relaxation', 'calibrate_static', 'characterize', 'characterize_likelihood', 'characterize_specimens',
-           'explain', 'guess_law', 'press', 'select_arms', 'select_degree', 'select_law', 'Model', 'Path', 'covariance',
-           'effect', 'law', 'law_force', 'material', 'Hull', 'Mesh', 'Network', 'Realtime', 'capsule', 'hull', 'plane', 'sphere',
-           'Experiment', 'Recording']
+           'calibrate_relaxation', 'calibrate_static', 'characterize', 'characterize_likelihood', 'characterize_recordings',
+           'explain', 'guess_law', 'press', 'Model', 'Path', 'covariance', 'effect', 'law', 'law_force', 'material', 'Hull',
+           'Mesh', 'Network', 'Realtime', 'capsule', 'hull', 'plane', 'sphere', 'Experiment', 'Recording']

@@ -67,39 +67,6 @@ def characterize(recordings, law=None, **settings):
     return own(fit, c.palp_lumped_fit_free)
 
 
-def characterize_specimens(recordings, specimen, law, **settings):
-    """Fits several specimens; recording r is of specimen[r], numbered from 0. Returns a SpecimensFit."""
-    fit, specimen = SpecimensFit(), np.asarray(specimen)
-    if specimen.shape != (len(recordings),):
-        raise ValueError('one number of a specimen for each recording')
-    c.palp_characterize_specimens(len(recordings), array(c.palp_recording, recordings), specimen.astype(np.uintp),
-                                  _fit_settings(law, settings), fit, c.palp_error())
-    return own(fit, c.palp_specimens_fit_free)
-
-
-def _select(function, recordings, law, settings, n, *choice):
-    score, sd, best = np.empty(n), np.empty(n), c_size_t()
-    function(len(recordings), array(c.palp_recording, recordings), _fit_settings(law, settings), *choice, score, sd,
-             byref(best), c.palp_error())
-    return best.value, score, sd
-
-
-def select_arms(recordings, max_arms, law=None, **settings):
-    """The number of arms by cross-validation: it, the scores of 0 to max_arms, and their standard errors."""
-    return _select(c.palp_characterize_select_arms, recordings, law, settings, max_arms + 1, max_arms)
-
-
-def select_degree(recordings, max_degree, law, **settings):
-    """The degree of the polynomial K(e), likewise."""
-    return _select(c.palp_characterize_select_degree, recordings, law, settings, max_degree + 1, max_degree)
-
-
-def select_law(recordings, laws, **settings):
-    """The index of the law by the same evidence, likewise; the simple ones first."""
-    return _select(c.palp_characterize_select_law, recordings, laws[0], settings, len(laws), len(laws),
-                   array(c.palp_law, laws))
-
-
 def _inputs(experiments, names):
     names = names or [f'run {i + 1}' for i in range(len(experiments))]
     if len(names) != len(experiments):
@@ -142,15 +109,34 @@ def explain(model, experiments, names=None, progress=None, candidates=None, held
     return explanation
 
 
+def _choice(least_arms, most_arms, laws, no_spline):
+    return c.palp_explain_choice(least_arms=least_arms, most_arms=most_arms, n_laws=len(laws), no_spline=no_spline,
+                                 law=array(c.palp_law, laws) if laws else None)
+
+
+def characterize_recordings(recordings, specimen=None, least_arms=0, most_arms=c.PALP_ARMS_MAX, laws=(), no_spline=False,
+                            **settings):
+    """Law, arms and the spread of specimens by the likelihood of explain, as palpate characterize has them. specimen: the
+    number of each recording's, from 0; None: one. The fit's mean, a c.palp_lumped_fit, has the material. Returns a
+    SpecimensFit."""
+    fit = SpecimensFit()
+    if specimen is not None:
+        specimen = np.asarray(specimen).astype(np.uintp)
+        if specimen.shape != (len(recordings),):
+            raise ValueError('one number of a specimen for each recording')
+    c.palp_explain_recordings(len(recordings), array(c.palp_recording, recordings), specimen,
+                              _explain_settings(settings, None, None, None, []),
+                              _choice(least_arms, most_arms, laws, no_spline), fit, c.palp_error())
+    return own(fit, c.palp_specimens_fit_free)
+
+
 def characterize_likelihood(specimen, experiments, names=None, least_arms=0, most_arms=c.PALP_ARMS_MAX, laws=(),
                             no_spline=False, **settings):
-    """Law, arms and the spread of specimens by the likelihood of explain. specimen: a lumped Model with height and
-    radius. The fit's mean, a c.palp_lumped_fit, has the material. Returns a SpecimensFit."""
+    """The same of experiments. specimen: a lumped Model with height and radius."""
     fit = SpecimensFit()
-    choice = c.palp_explain_choice(least_arms=least_arms, most_arms=most_arms, n_laws=len(laws), no_spline=no_spline,
-                                   law=array(c.palp_law, laws) if laws else None)
     c.palp_explain_material(specimen, len(experiments), _inputs(experiments, names),
-                            _explain_settings(settings, None, None, None, []), choice, fit, c.palp_error())
+                            _explain_settings(settings, None, None, None, []),
+                            _choice(least_arms, most_arms, laws, no_spline), fit, c.palp_error())
     return own(fit, c.palp_specimens_fit_free)
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """left_out.py: how well palpate characterize predicts a run that it has not seen.
     left_out.py DIR [--all] [OPTION...]      DIR: --out of run.sh; --all: where something is missing too;
-                                             options of characterize, e.g. --likelihood
+                                             options of characterize, e.g. --law spline
     left_out.py RUN.csv... [OPTION...]      the same of these runs, in % of the largest force of the run that is left out
 Of each case where nothing is missing the first and the middle run are left out in turn. What simulate --like misses them by,
 with the best zero and gain, is given in noise levels: one line a run, then the median and the largest. PALPATE is the command."""

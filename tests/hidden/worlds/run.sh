@@ -1,7 +1,7 @@
 #!/bin/sh
 # run.sh: writes the cases of laboratories that are not ours, takes each the whole way (characterize, then explain), judges the answers.
-#   run.sh [--seed N] [--set all|quick|testers|outside] [--jobs N] [--out DIR] [--oracle] [--likelihood] [--report-only] [--print-table]
-# With --likelihood characterize is asked so. The set outside is what comes again in all runs and is in no catalogue.
+#   run.sh [--seed N] [--set all|quick|testers|outside] [--jobs N] [--out DIR] [--oracle] [--report-only] [--print-table]
+# The set outside is what comes again in all runs and is in no catalogue.
 # From any folder; PALPATE is the command (default: build/palpate of this tree), CC compiles the generator. A run that was interrupted
 # goes on in its --out (palpate batch) while the seed, the set, the generator and the command are the same. See ../README.md.
 set -u
@@ -10,7 +10,7 @@ PALPATE=${PALPATE:-$here/../../../build/palpate}
 
 same() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; } # whether FILE says TEXT
 
-seed=1 set=all jobs=$(nproc) out='' oracle='' judge='' likelihood=''
+seed=1 set=all jobs=$(nproc) out='' oracle='' judge=''
 while [ $# -gt 0 ]; do
     case $1 in
     --seed) seed=$2; shift ;;
@@ -18,7 +18,6 @@ while [ $# -gt 0 ]; do
     --jobs) jobs=$2; shift ;;
     --out) out=$2; shift ;;
     --oracle) oracle=oracle ;;
-    --likelihood) likelihood=--likelihood ;;
     --report-only | --print-table) judge="$judge $1" ;;
     *) sed -n '2,7s/^# //p' "$0"; exit 2 ;;
     esac
@@ -43,16 +42,13 @@ if ! same "$out/made" "$cases"; then
     }
     echo "$cases" >"$out/made"
 fi
-tool="$(cksum <"$PALPATE") $likelihood"
+tool=$(cksum <"$PALPATE")
 same "$out/asked" "$tool" || rm -rf "$out/characterize" "$out/explain" "$out/oracle"
 echo "$tool" >"$out/asked"
 
 ulimit -t 900 # of each process
 for step in characterize explain $oracle; do
-    options=
-    [ "$step" != characterize ] || options=$likelihood
-    # shellcheck disable=SC2086
-    python3 "$here/judge.py" "$out" --manifest "$step" $options >"$out/$step.json"
+    python3 "$here/judge.py" "$out" --manifest "$step" >"$out/$step.json"
     "$PALPATE" batch "$out/$step.json" --jobs "$jobs" --out "$out/$step"
 done
 [ "$set" != outside ] || exec python3 "$here/judge_free.py" "$out"

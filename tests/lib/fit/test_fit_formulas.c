@@ -403,60 +403,9 @@ START_TEST(arms_that_cannot_be_told_apart) {
 }
 END_TEST
 
-/* ---- the choice by held-out losses ---- */
-
-/* Losses exp(level +- spread), half of the groups each; group 0 of all was never held out. */
-enum { GROUPS = 9 };
-static void losses(double *loss, double level, double spread) {
-    for (size_t g = 0; g < GROUPS; g++)
-        loss[g] = g ? exp(level + (g % 2 ? spread : -spread)) : 0.0;
-}
-
-START_TEST(scores_are_means_and_their_errors) {
-    double loss[2 * GROUPS], score[2], sd[2], mean[2] = {0, 0}, square = 0.0;
-    losses(loss, 2.0, 0.3);
-    losses(loss + GROUPS, 0.0, -0.2);
-    ck_assert_uint_eq(fit_choose(2, GROUPS, loss, score, sd), 1);
-    for (size_t g = 1; g < GROUPS; g++)
-        for (size_t c = 0; c < 2; c++)
-            mean[c] += loss[c * GROUPS + g] / 8.0;
-    for (size_t g = 1; g < GROUPS; g++) {
-        double d = loss[g] - loss[GROUPS + g] - (mean[0] - mean[1]);
-        square += d * d;
-    }
-    ck_assert_double_eq_tol(score[0], mean[0], 1e-12);
-    ck_assert_double_eq_tol(score[1], mean[1], 1e-12);
-    ck_assert_double_eq_tol(sd[0], sqrt(square / 7.0 / 8.0), 1e-12);
-    ck_assert_double_eq(sd[1], 0.0);
-}
-END_TEST
-
-/* The standard error of a mean of eight logarithms that are +-s is s / sqrt(7). */
-START_TEST(a_parameter_more_is_worth_two_errors_and_a_fifth) {
-    const double s = 0.5, error = s / sqrt(7.0);
-    double loss[3 * GROUPS], score[3], sd[3];
-    losses(loss + GROUPS, 0.0, 0.0);
-    for (int over = 0; over < 2; over++) {
-        losses(loss, (over ? 1.02 : 0.98) * 2.0 * error, s);
-        ck_assert_uint_eq(fit_choose(2, GROUPS, loss, score, sd), (size_t)over);
-        losses(loss, (over ? 1.02 : 0.98) * log(1.2), 0.01);
-        ck_assert_uint_eq(fit_choose(2, GROUPS, loss, score, sd), (size_t)over);
-    }
-    losses(loss, 1.0, 0.0); /* of three the first that is as good as the best, which is the last */
-    losses(loss + GROUPS, 0.1, 0.0);
-    losses(loss + 2 * GROUPS, 0.0, 0.0);
-    ck_assert_uint_eq(fit_choose(3, GROUPS, loss, score, sd), 1);
-    losses(loss + 2 * GROUPS, 0.5, 0.0); /* or the middle one */
-    ck_assert_uint_eq(fit_choose(3, GROUPS, loss, score, sd), 1);
-    ck_assert_double_eq(sd[1], 0.0);
-}
-END_TEST
-
 void tests(TCase *tc) {
     tcase_add_test(tc, no_law_is_far_off);
     tcase_add_test(tc, arms_that_cannot_be_told_apart);
-    tcase_add_test(tc, scores_are_means_and_their_errors);
-    tcase_add_test(tc, a_parameter_more_is_worth_two_errors_and_a_fifth);
     tcase_add_test(tc, a_problem_in_numbers);
     tcase_add_test(tc, blocks_are_as_long_as_they_may_be);
     tcase_add_test(tc, what_counts);

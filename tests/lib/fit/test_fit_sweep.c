@@ -1,4 +1,4 @@
-/* test_fit_sweep.c: law and arms from a sweep, without the withdrawal after it. */
+/* test_fit_sweep.c: the arms from a sweep, without the withdrawal after it. */
 #include "sweeps.h"
 
 static sweep rig_sweep(void) {
@@ -34,33 +34,7 @@ START_TEST(a_sweep_tells_the_arms_of_the_phantom) {
 }
 END_TEST
 
-/* The oscillation has most of the samples, the ramp determines the law: one that misses the ramp is not
- * taken. */
-START_TEST(the_ramp_of_a_sweep_tells_the_law) {
-    enum { LAWS = 3 };
-    static const double modulus = 2400.0;
-    double score[LAWS], sd[LAWS];
-    size_t best = 99;
-    sweep s = rig_sweep();
-    s.rate_Hz = 1000.0;
-    palp_law law[LAWS];
-    law[0] = polynomial(1, LAW);
-    ck_assert_int_eq(palp_law_hyperelastic(PALP_LAW_NEO_HOOKEAN, 1, &modulus, 4.5e-4, &law[1]), PALP_OK);
-    law[2] = polynomial(3, LAW);
-    palp_recording r = prepare(record_sweep(&s));
-    palp_characterize_settings settings = with_law(law[0], 2);
-    settings.starts = 1;
-    ck_assert_int_eq(palp_characterize_select_law(1, &r, &settings, LAWS, law, score, sd, &best, NULL),
-                     PALP_OK);
-    ck_assert_uint_eq(best, 2);
-    ck_assert_double_lt(score[2], 1.3);
-    ck_assert_double_gt(score[0], 5.0);
-    palp_recording_free(&r);
-}
-END_TEST
-
 void tests(TCase *tc) {
     tcase_add_test(tc, a_withdrawal_after_a_sweep_is_left_out);
     tcase_add_test(tc, a_sweep_tells_the_arms_of_the_phantom);
-    tcase_add_test(tc, the_ramp_of_a_sweep_tells_the_law);
 }
