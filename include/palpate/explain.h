@@ -324,7 +324,8 @@ typedef struct palp_explain_choice {
 
 /* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy. The evidence of
  * each arm exceeds the threshold of settings->false_alarm. Arms are driven by the strain or by the elastic
- * force (quasi-linear). The law is that of the largest evidence. specimen: height and radius, to which all
+ * force (quasi-linear). The law is that of the largest evidence. If fewer arms or only less probable laws are
+ * allowed, all that the model misses is white noise. specimen: height and radius, to which all
  * runs are scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's
  * to free: of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0.
  * Specimens are numbered in the order of their first inputs (specimen.name); with one, fit has the mean

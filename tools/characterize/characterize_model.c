@@ -75,6 +75,10 @@ static int fit_fractional(const characterize_options *o, characterize_state *s) 
     settings.law = s->material.law;
     settings.arms = PALP_ARMS_FRACTIONAL;
     palp_lumped_fit_free(&s->final);
+    palp_specimens_fit_free(&s->specimens); /* their spread is of other parameters */
+    if (s->n_points > 0)
+        characterize_warn(s, "the fractional element is fitted to all specimens as if they were one");
+    s->n_points = 0;
     palp_status status = palp_characterize_fit(s->n, s->run, &settings, &s->final, &error);
     if (status)
         return cli_status(NAME, status, &error);
