@@ -44,12 +44,59 @@ palp_effect_id infer_added_id(const infer_search *s, size_t i) {
 
 /* ---- one candidate ---- */
 
-/* base with the effect at this start, with the parameters of base; and the reduction of variance there. */
+/* The drive of the material's arms at a strain, relative to that of linear ones. */
+static double drive_of(const palp_material *material, double strain) {
+    double first, there;
+    if (!material->quasi_linear)
+        return 1.0;
+    palp_law_stiffness(&material->law, 0.0, &first, NULL);
+    palp_law_stiffness(&material->law, strain, &there, NULL);
+    return there > 0.0 && first > 0.0 ? there / first : 1.0;
+}
+
+/* The material with its arms driven otherwise, as stiff as they were at half the deepest strain. Arms driven
+ * by the elastic force are relative to the stiffness at the surface. A spline's knots of nearly no stiffness
+ * therefore begin at a tenth of that at half the deepest strain. */
+static palp_status drive_otherwise(palp_material *m, double strain) {
+    static const double FIRST = 0.1;
+    double typical, stiffness[PALP_LAW_MAX], scale = drive_of(m, strain);
+    palp_status status = PALP_OK;
+    if (!m->quasi_linear && m->law.kind == PALP_LAW_SPLINE) {
+        palp_law_stiffness(&m->law, strain, &typical, NULL);
+        for (size_t i = 0; i < m->law.n; i++)
+            stiffness[i] = fmax(m->law.coefficients[i], FIRST * typical);
+        status = palp_law_set_coefficients(&m->law, stiffness);
+    }
+    m->quasi_linear = !m->quasi_linear;
+    scale /= drive_of(m, strain);
+    for (size_t j = 0; j < m->n_arms; j++) {
+        m->arms[j].stiffness_N *= scale;
+        m->arms[j].viscosity_Ns *= scale;
+    }
+    return status;
+}
+
+/* The same of a model, with the arms among its effects. */
+static palp_status switch_drive(const infer_search *s, palp_model *model) {
+    const double strain = 0.5 * s->data.strain, scale = drive_of(&model->material, strain);
+    palp_status status = drive_otherwise(&model->material, strain);
+    for (size_t i = 0; i < model->n_effects && !status; i++)
+        if (effect_row_of(model->effects[i].id)->arm)
+            model->effects[i].value[0] *= scale / drive_of(&model->material, strain);
+    return status;
+}
+
+/* base with the effect at this start, with the parameters of base; and the reduction of variance there. Arms
+ * that depend on the strain are driven by it. */
 static palp_status added_at(const infer_search *s, const palp_effect *effect, bool renewed, infer_fit *fit,
                             double *learned) {
     palp_model model = s->fit.c.model;
+    palp_status status = PALP_OK;
+    if (effect->id == PALP_EFFECT_STRAIN_DEPENDENT_ARM && model.material.quasi_linear)
+        status = switch_drive(s, &model);
     model.effects[model.n_effects++] = *effect;
-    palp_status status = infer_fit_create(&model, &s->data, &s->fit, fit);
+    if (!status)
+        status = infer_fit_create(&model, &s->data, &s->fit, fit);
     if (status)
         return status;
     fit->c.renewed = renewed;
@@ -130,49 +177,13 @@ static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_tr
     return status;
 }
 
-/* The drive of the material's arms at a strain, relative to that of linear ones. */
-static double drive_of(const palp_material *material, double strain) {
-    double first, there;
-    if (!material->quasi_linear)
-        return 1.0;
-    palp_law_stiffness(&material->law, 0.0, &first, NULL);
-    palp_law_stiffness(&material->law, strain, &there, NULL);
-    return there > 0.0 && first > 0.0 ? there / first : 1.0;
-}
-
-/* The material with its arms driven otherwise, as stiff as they were at half the deepest strain. Arms driven
- * by the elastic force are relative to the stiffness at the surface. A spline's knots of nearly no stiffness
- * therefore begin at a tenth of that at half the deepest strain. */
-static palp_status drive_otherwise(palp_material *m, double strain) {
-    static const double FIRST = 0.1;
-    double typical, stiffness[PALP_LAW_MAX], scale = drive_of(m, strain);
-    palp_status status = PALP_OK;
-    if (!m->quasi_linear && m->law.kind == PALP_LAW_SPLINE) {
-        palp_law_stiffness(&m->law, strain, &typical, NULL);
-        for (size_t i = 0; i < m->law.n; i++)
-            stiffness[i] = fmax(m->law.coefficients[i], FIRST * typical);
-        status = palp_law_set_coefficients(&m->law, stiffness);
-    }
-    m->quasi_linear = !m->quasi_linear;
-    scale /= drive_of(m, strain);
-    for (size_t j = 0; j < m->n_arms; j++) {
-        m->arms[j].stiffness_N *= scale;
-        m->arms[j].viscosity_Ns *= scale;
-    }
-    return status;
-}
-
 /* The arms driven by the elastic force where they follow the strain, and the reverse (Fung 1993, Eq. 3.77).
  */
 static palp_status try_drive(const infer_search *s, infer_trial *t) {
     palp_model model = s->fit.c.model;
     if (model.material.n_arms == 0 || model.kind != PALP_MODEL_LUMPED || s->data.simulated)
         return PALP_ERR_UNSUPPORTED;
-    const double scale = drive_of(&model.material, 0.5 * s->data.strain);
-    palp_status status = drive_otherwise(&model.material, 0.5 * s->data.strain);
-    for (size_t i = 0; i < model.n_effects && !status; i++)
-        if (effect_row_of(model.effects[i].id)->arm)
-            model.effects[i].value[0] *= scale / drive_of(&model.material, 0.5 * s->data.strain);
+    palp_status status = switch_drive(s, &model);
     if (!status)
         status = infer_fit_create(&model, &s->data, &s->fit, &t->fit);
     if (!status)
