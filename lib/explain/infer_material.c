@@ -134,22 +134,20 @@ static palp_status place_arms(const explain_data *data, const palp_explain_choic
     return PALP_OK;
 }
 
-/* The same arms driven by the elastic force, if that is more probable. So many arms follow any spectrum; from
- * few the other drive may not be found. */
-static palp_status start_driven(infer_search *s) {
+/* The same arms driven by the elastic force, if that is more probable by the threshold; else raw stays NULL.
+ * So many arms follow any spectrum; from few the other drive may not be found. */
+static palp_status find_driven(const infer_search *s, infer_fit *driven) {
     enum { ROUNDS = 3 };
     palp_model model = s->fit.c.model;
-    infer_fit driven;
     model.material.quasi_linear = true;
-    palp_status status = infer_fit_create(&model, &s->data, &s->fit, &driven);
+    palp_status status = infer_fit_create(&model, &s->data, &s->fit, driven);
     if (status)
         return status;
-    status = infer_fit_evaluate(&driven, &s->data);
+    status = infer_fit_evaluate(driven, &s->data);
     if (!status)
-        status = infer_fit_settle(&driven, &s->data, ROUNDS, true);
-    if (!status && driven.score > s->fit.score)
-        infer_fit_exchange(&s->fit, &driven);
-    infer_fit_free(&driven);
+        status = infer_fit_settle(driven, &s->data, ROUNDS, true);
+    if (status || driven->score - s->fit.score <= infer_threshold(s->settings) + infer_price(s))
+        infer_fit_free(driven);
     return status == PALP_ERR_NO_MEMORY ? status : PALP_OK;
 }
 
@@ -165,7 +163,7 @@ static palp_status start(infer_search *s, palp_model *model, const palp_explain_
         status = infer_fit_create(model, &s->data, NULL, &s->fit);
     if (!status)
         status = infer_begin(&s->fit, &s->data, s->settings);
-    return status ? status : start_driven(s);
+    return status;
 }
 
 /* The current fit without arm j, near its best parameters; raw NULL: there is none. */
@@ -301,19 +299,39 @@ static void advance(const infer_search *s, double share) {
         s->settings->progress(s->settings->progress_user, share);
 }
 
-/* The arms that the runs show, beside correlated noise of this longest time; 0: that of the longest run. */
-static palp_status search_arms(infer_search *s, palp_model model, const palp_explain_choice *choice,
-                               double memory, palp_error *error) {
-    s->data.memory = memory;
-    palp_status status = start(s, &model, choice, error);
-    advance(s, 0.25);
-    if (!status)
-        status = drop_arms(s, choice->per_decade ? 0 : choice->least_arms);
-    advance(s, 0.15);
+/* From many arms to those that the runs show. */
+static palp_status settle_arms(infer_search *s, const palp_explain_choice *choice) {
+    palp_status status = drop_arms(s, choice->per_decade ? 0 : choice->least_arms);
     if (!status)
         status = infer_fit_converge(&s->fit, &s->data);
     if (!status && !choice->per_decade)
         status = find_arms(s, choice->least_arms, choice->most_arms);
+    return status;
+}
+
+/* The arms that the runs show, beside correlated noise of this longest time; 0: that of the longest run.
+ * Where the elastic force seems to drive them, both drives are followed to the end: a misfit can make it seem
+ * so. */
+static palp_status search_arms(infer_search *s, palp_model model, const palp_explain_choice *choice,
+                               double memory, palp_error *error) {
+    infer_fit driven = {.raw = NULL};
+    s->data.memory = memory;
+    palp_status status = start(s, &model, choice, error);
+    advance(s, 0.15);
+    if (!status)
+        status = find_driven(s, &driven);
+    advance(s, 0.1);
+    if (!status)
+        status = settle_arms(s, choice);
+    advance(s, 0.15);
+    if (!status && driven.raw) {
+        infer_fit_exchange(&s->fit, &driven);
+        status = settle_arms(s, choice);
+        if (status || s->fit.score - driven.score <= infer_threshold(s->settings) + infer_price(s))
+            infer_fit_exchange(&s->fit, &driven);
+        status = status == PALP_ERR_NO_MEMORY || status == PALP_ERR_STOPPED ? status : PALP_OK;
+    }
+    infer_fit_free(&driven);
     return status;
 }
 
