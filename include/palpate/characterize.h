@@ -89,8 +89,7 @@ PALP_API palp_status palp_lumped_fit_stiffness(const palp_lumped_fit *fit, size_
 /* ---- many specimens ---- */
 
 /* A fit of several specimens of one height and area (palp_explain_recordings); palp_specimens_fit_free. Each
- * has its own coefficients of one law and its own arms; these scatter about a
- * mean. */
+ * has its own coefficients of one law and its own arms; these scatter about a mean. */
 typedef struct palp_specimens_fit {
     palp_lumped_fit
         mean; /* of the mean specimen. Its intervals and covariance are widened so that 1.96 sd hold 95 %, by

@@ -325,13 +325,13 @@ typedef struct palp_explain_choice {
 /* The lumped solid of runs by the same likelihood, without effects, gains and discrepancy. The evidence of
  * each arm exceeds the threshold of settings->false_alarm. Arms are driven by the strain or by the elastic
  * force (quasi-linear). The law is that of the largest evidence. If fewer arms or only less probable laws are
- * allowed, all that the model misses is white noise. specimen: height and radius, to which all
- * runs are scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's
- * to free: of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0.
- * Specimens are numbered in the order of their first inputs (specimen.name); with one, fit has the mean
- * alone. n_spread is 1 if they differ: by a factor on all stiffnesses, one on all times, and one on the law
- * alone. settings: false_alarm, contact, loop, progress, stop. ERR_ARGUMENT: no runs, arms out of range,
- * no_spline without a law; ERR_LIMIT: more than PALP_ARMS_MAX at fixed times; errors of palp_explain. */
+ * allowed, all that the model misses is white noise. specimen: height and radius, to which all runs are
+ * scaled by the sizes in their files, and known effects; its material is not read. fit, the caller's to free:
+ * of mean, arrays over runs are in the order of inputs, and contact_m is from recorded depth 0. Specimens are
+ * numbered in the order of their first inputs (specimen.name); with one, fit has the mean alone. n_spread is
+ * 1 if they differ: by a factor on all stiffnesses, one on all times, and one on the law alone. settings:
+ * false_alarm, contact, loop, progress, stop. ERR_ARGUMENT: no runs, arms out of range, no_spline without a
+ * law; ERR_LIMIT: more than PALP_ARMS_MAX at fixed times; errors of palp_explain. */
 PALP_API palp_status palp_explain_material(const palp_model *specimen, size_t n,
                                            const palp_explain_input *inputs,
                                            const palp_explain_settings *settings,

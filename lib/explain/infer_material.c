@@ -31,8 +31,8 @@ static palp_status fit_freely(const infer_search *s, const infer_fit *fit, doubl
 }
 
 /* By how much an arm makes the runs more probable, nats; if that is less, by how much more likely beside a
- * law that may bend as it likes. At one speed a law can take the place of any arm,
- * though an arm may be more probable than the law's bends. wanted: less than this need not be known. */
+ * law that may bend as it likes. At one speed a law can take the place of any arm, though an arm may be more
+ * probable than the law's bends. wanted: less than this need not be known. */
 static palp_status weigh_arm(const infer_search *s, const infer_fit *with, const infer_fit *without,
                              double wanted, double *nats) {
     double freely[2] = {0.0, 0.0};
@@ -154,16 +154,13 @@ static palp_status find_driven(const infer_search *s, infer_fit *driven) {
 /* A stiffness that is constant, of the largest force and depth; the arms have half of it. */
 static palp_status start(infer_search *s, palp_model *model, const palp_explain_choice *choice,
                          palp_error *error) {
-    const double whole = s->data.peak * s->data.height / s->data.deepest;
-    const double own = 0.5 * whole;
+    const double own = 0.5 * s->data.peak * s->data.height / s->data.deepest;
     palp_status status = place_arms(&s->data, choice, own, &model->material, error);
     if (!status)
         status = palp_law_polynomial(1, &own, &model->material.law);
     if (!status)
         status = infer_fit_create(model, &s->data, NULL, &s->fit);
-    if (!status)
-        status = infer_begin(&s->fit, &s->data, s->settings);
-    return status;
+    return status ? status : infer_begin(&s->fit, &s->data, s->settings);
 }
 
 /* The current fit without arm j, near its best parameters; raw NULL: there is none. */

@@ -2,6 +2,7 @@
 #include <palpate/explain.h>
 
 #include "base/file.h"
+#include "fit/fit_internal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,13 +10,13 @@
 #include <string.h>
 
 /* The runs are fitted in units of their largest force, their longest time and the size of the specimen.
- * Values are rounded to 6e-8 of these. So other units of the files give the same numbers to the last
- * bit. Else rounding would decide between two fits that are nearly as good. */
+ * Depths and forces are rounded to 6e-8 of these. So other units of the files give the same numbers to the
+ * last bit. Else rounding would decide between two fits that are nearly as good. */
 typedef struct own_units {
     double force, time, height, radius; /* N, s, m, m; radius 0 where no run knows it */
 } own_units;
 
-/* Of the time, which is as the file has it; of what is relative to a contact and a zero that were estimated.
+/* Bits of the time, which is as the file has it, and of values that depend on an estimated contact or zero.
  */
 enum { FINE = 32, COARSE = 24 };
 
@@ -160,26 +161,12 @@ static void scale_fit(palp_specimens_fit *fit, const own_units *unit) {
         scale_material(&fit->own[k], unit);
 }
 
-/* Over all samples that count, without a zero and a gain of each run. */
+/* Of all samples, in place of those of the blocks. */
 static palp_status measure_residuals(size_t n, const palp_recording *recordings, palp_lumped_fit *fit) {
-    palp_status status = PALP_OK;
-    for (size_t r = 0; r < n && !status; r++) {
-        const palp_recording *run = &recordings[r];
-        double square = 0.0, sum = 0.0, count = 0.0, *force = malloc(run->n * sizeof *force);
-        status = force ? palp_lumped_fit_force(fit, r, run, force) : PALP_ERR_NO_MEMORY;
-        for (size_t i = 0; i < run->n && !status; i++) {
-            if (!run->use[i] || run->depth_m[i] <= 0.0)
-                continue;
-            const double miss = force[i] - run->force_N[i];
-            square += miss * miss;
-            sum += fabs(miss);
-            count += 1.0;
-        }
-        free(force);
-        fit->rms_N[r] = count > 0.0 ? sqrt(square / count) : 0.0;
-        fit->absolute_N[r] = sum;
-    }
-    return status;
+    const palp_characterize_settings all = palp_characterize_settings_default();
+    memset(fit->rms_N, 0, n * sizeof *fit->rms_N);
+    memset(fit->absolute_N, 0, n * sizeof *fit->absolute_N);
+    return fit_fill_residuals(n, recordings, &all, fit);
 }
 
 static palp_status check(size_t n, const palp_recording *run, const own_units *unit, palp_error *error) {

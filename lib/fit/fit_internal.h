@@ -81,9 +81,6 @@ palp_status fit_polish(const fit_problem *problem, double *p, double *chi2, bool
 /* Scan and polish from several starts, then K(e) > 0 if need be. */
 palp_status fit_solve(fit_problem *problem, double *p, double *chi2, bool *converged);
 
-/* The same from p alone. */
-palp_status fit_solve_from(fit_problem *problem, double *p, double *chi2, bool *converged);
-
 /* Covariance of the parameters at v, and the residual's weighted square and its lag-1 correlation. */
 typedef struct fit_curvature {
     double *covariance; /* [n^2] from the blocks' own noise */

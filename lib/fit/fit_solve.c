@@ -353,9 +353,3 @@ palp_status fit_solve(fit_problem *p, double *v, double *chi2, bool *converged) 
     palp_status status = polish_starts(p, v, chi2, converged);
     return status ? status : keep_positive(p, v, chi2, converged);
 }
-
-palp_status fit_solve_from(fit_problem *p, double *v, double *chi2, bool *converged) {
-    *converged = false;
-    palp_status status = fit_polish(p, v, chi2, converged);
-    return status ? status : keep_positive(p, v, chi2, converged);
-}

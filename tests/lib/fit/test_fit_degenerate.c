@@ -122,7 +122,7 @@ START_TEST(a_step_back_to_the_constraints_stays_within_all_numbers) {
     ck_assert_int_eq(fit_problem_create(&p, 1, &m.r, &s, NULL), PALP_OK);
     double v[3] = {40.0, log(1e-6 * p.stiffness), log(2.0 * p.tau_max)}, chi2;
     bool converged;
-    ck_assert_int_eq(fit_solve_from(&p, v, &chi2, &converged), PALP_OK);
+    ck_assert_int_eq(fit_polish(&p, v, &chi2, &converged), PALP_OK);
     ck_assert(converged);
     ck_assert_double_lt(v[1], log(2e6 * p.stiffness));
     ck_assert_double_le(v[2], log(p.tau_max) + 1e-6);
