@@ -100,11 +100,20 @@ palp_status recording_cut(const palp_recording *rec, double parts, const unsigne
     return PALP_OK;
 }
 
-/* Row i of the experiment: the mean of a block's samples, and how many they are. */
+/* The sd of the white noise of n forces, by their second differences; 0 of fewer than three. */
+static double scatter_of(size_t n, const double *force) {
+    double sum = 0.0;
+    for (size_t k = 0; k + 2 < n; k++)
+        sum += pow(force[k] - 2.0 * force[k + 1] + force[k + 2], 2.0);
+    return n > 2 ? sqrt(sum / (6.0 * (double)(n - 2))) : 0.0;
+}
+
+/* Row i of the experiment: the mean of a block's samples, how many they are, the sd of their times, and that
+ * of their noise. */
 static void take_mean(const palp_recording *rec, const recording_block *block, size_t i,
-                      double *const column[4]) {
+                      double *const column[6]) {
     const size_t first = block->first;
-    double t = 0.0, u = 0.0, f = 0.0, n = (double)(block->end - first);
+    double t = 0.0, u = 0.0, f = 0.0, square = 0.0, n = (double)(block->end - first);
     for (size_t k = first; k < block->end; k++) {
         t += rec->time_s[k] - rec->time_s[first];
         u += rec->depth_m[k] - rec->depth_m[first];
@@ -114,6 +123,10 @@ static void take_mean(const palp_recording *rec, const recording_block *block, s
     column[1][i] = 1e3 * (rec->depth_m[first] + u / n); /* in a dwell, of every block the same to the bit */
     column[2][i] = f / n;
     column[3][i] = block->counts ? n : 0.0;
+    for (size_t k = first; k < block->end; k++)
+        square += pow(rec->time_s[k] - rec->time_s[first] - t / n, 2.0);
+    column[4][i] = sqrt(square / n);
+    column[5][i] = block->counts ? scatter_of(block->end - first, rec->force_N + first) : 0.0;
 }
 
 palp_status palp_recording_blocks(const palp_recording *rec, double parts, palp_experiment **blocks) {
@@ -123,6 +136,7 @@ palp_status palp_recording_blocks(const palp_recording *rec, double parts, palp_
     unsigned char *counts = malloc(rec->n);
     size_t n = 0;
     palp_experiment *e = NULL;
+    static const char *const name[] = {"time_s", "depth_mm", "force_N", "samples", "time_sd_s", "noise_N"};
     palp_status status = block && counts ? PALP_OK : PALP_ERR_NO_MEMORY;
     for (size_t i = 0; i < rec->n && !status; i++) /* a withdrawal counts here */
         counts[i] = rec->use[i] || rec->time_s[i] >= rec->end_s;
@@ -131,12 +145,12 @@ palp_status palp_recording_blocks(const palp_recording *rec, double parts, palp_
     const size_t before = rec->depth_m[0] > 0.0; /* a row of the air, where the recording begins under load */
     if (!status)
         status = palp_experiment_create(n + before, &e);
-    if (!status)
-        status = palp_experiment_add_column(e, "samples");
+    double *column[6];
+    for (int c = 3; c < 6 && !status; c++)
+        status = palp_experiment_add_column(e, name[c]);
     if (!status) {
-        double *const column[4] = {palp_experiment_column(e, "time_s"), palp_experiment_column(e, "depth_mm"),
-                                   palp_experiment_column(e, "force_N"),
-                                   palp_experiment_column(e, "samples")};
+        for (int c = 0; c < 6; c++)
+            column[c] = palp_experiment_column(e, name[c]);
         for (size_t i = 0; i < n; i++)
             take_mean(rec, &block[i], i + before, column);
         if (before)

@@ -68,6 +68,8 @@ static palp_status copy(const palp_experiment *e, double height, bool air, expla
     run->stood = block + 3 * run->n;
     run->phase = run->use + run->n;
     run->samples = palp_experiment_column(e, "samples");
+    run->spread = run->samples ? palp_experiment_column(e, "time_sd_s") : NULL;
+    run->noise = run->samples ? palp_experiment_column(e, "noise_N") : NULL;
     for (size_t i = 0; i < run->n; i++)
         run->use[i] = !run->samples || run->samples[i] > 0.0;
     run->start = time[0];
@@ -218,6 +220,21 @@ static double mean_step(const explain_run *run) {
     for (size_t i = 0; i < run->n; i++)
         count += run->samples[i];
     return (run->time[run->n - 1] - run->time[0]) / count;
+}
+
+/* The median over the means of three samples and more: outliers in some do not count. */
+static palp_status find_scatter(explain_data *data) {
+    size_t m = 0;
+    double *noise = malloc(data->n * sizeof *noise);
+    if (!noise)
+        return PALP_ERR_NO_MEMORY;
+    for (size_t r = 0; r < data->n_runs; r++)
+        for (size_t i = 0; i < data->run[r].n && data->run[r].noise; i++)
+            if (data->run[r].samples[i] > 2.0)
+                noise[m++] = data->run[r].noise[i];
+    data->scatter = m > 0 ? fmax(EXPLAIN_EXACT * data->peak, statistics_median(noise, m)) : 0.0;
+    free(noise);
+    return PALP_OK;
 }
 
 /* The typical time between samples, the largest speed, and the slowest run's way from one sample to the
@@ -418,6 +435,8 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
     }
     if (!status)
         status = find_pace(data);
+    if (!status)
+        status = find_scatter(data);
     if (!status) {
         count_replicates(data);
         count_specimens(data);

@@ -7,6 +7,7 @@
 #include "effect/effect_internal.h"
 
 enum { EXPLAIN_SAMPLES_MIN = 16 }; /* of a run */
+#define EXPLAIN_EXACT 1e-6         /* of the largest force: the noise of a recording without noise */
 enum { EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS };
 
 typedef struct explain_run {
@@ -17,6 +18,7 @@ typedef struct explain_run {
     double start;                 /* time of the recording at which time[0] = 0 is */
     double *time, *depth, *force; /* depth: nothing is pressed where the specimen is "none" */
     const double *samples;        /* [n] of how many each is the mean, 0: of none; NULL = all of one */
+    const double *spread, *noise; /* [n] sds of their times, s, and of their noise, N; NULL: not known */
     double *stood;                /* [n] for how long the plate stands still, s; negative where it moves */
     unsigned char *use;           /* [n] 0 = an event, or not to be fitted */
     unsigned char *phase;         /* [n] palp_phase */
@@ -60,6 +62,7 @@ typedef struct explain_data {
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double memory;              /* longest time of the correlated noise, s; 0: that of the longest run */
     double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
+    double scatter;             /* sd of the noise of single samples, of runs of means; 0: it is not known */
     double stride;              /* largest way between two samples, of the run where it is least, m */
     effect_shown shown;         /* how the plate moves in them */
     size_t n_specimens;         /* that the files of the runs that are fitted name; at least 1 */

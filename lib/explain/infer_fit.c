@@ -321,6 +321,21 @@ static palp_status take_columns(const infer_fit *fit, const explain_data *data, 
     return PALP_OK;
 }
 
+/* Rows x[count n] at the means of times become the means of the samples: those of the parabola through a row
+ * and its neighbours. All three are on one straight piece of the path, or at its ends. */
+static void take_means(const explain_run *run, size_t count, double *x) {
+    for (size_t a = 0; a < count && run->spread; a++, x += run->n) {
+        double before = x[0];
+        for (size_t i = 1; i + 1 < run->n; i++) {
+            const double here = x[i], since = run->time[i] - run->time[i - 1],
+                         left = run->time[i + 1] - run->time[i], sd = run->spread[i];
+            if (run->depth[i - 1] > 0.0)
+                x[i] += sd * sd * ((x[i + 1] - here) / left - (here - before) / since) / (since + left);
+            before = here;
+        }
+    }
+}
+
 /* Forces of fit->c.model, run by run, and what becomes of them; with gradients, if the columns are wanted. */
 static palp_status evaluate(infer_fit *fit, const explain_data *data, bool columns_too) {
     palp_model full;
@@ -340,6 +355,8 @@ static palp_status evaluate(infer_fit *fit, const explain_data *data, bool colum
         status = make_own(fit, &data->run[r], r, &own);
         if (!status)
             status = explain_predict(&own, &path, work, columns_too ? gradient : NULL, NULL);
+        if (!status)
+            take_means(&data->run[r], columns_too ? columns + 1 : 1, work);
         if (!status && columns_too) {
             take_slopes(&data->run[r], &own, work, gradient + column[EXPLAIN_BY_CONTACT] * data->run[r].n,
                         fit->sample + at);

@@ -2,6 +2,7 @@
 #include <palpate/explain.h>
 
 #include "base/file.h"
+#include "explain_data.h"
 #include "fit/fit_internal.h"
 
 #include <math.h>
@@ -47,13 +48,17 @@ static own_units find_units(size_t n, const palp_recording *run) {
 
 /* ---- the runs ---- */
 
-/* Parts of the way for the blocks of a run. On a ramp, where the force grows with the square of the depth, a
- * block's mean is peak / (12 parts^2) off. Over all n samples this may change chi2 by a tenth. A hundred
- * parts are three between two knots of a law. An exact file counts as one with noise of a millionth of its
- * peak. */
+/* Parts of the way for the blocks of a run. The force in the middle of a block is peak / (12 parts^2) off the
+ * mean over it, if it grows with the square of the depth. The mean of a parabola is 18 / parts^4 of the
+ * relaxed force off at most, as a block lasts six parts of the time since the corner. Over all n samples this
+ * may change chi2 by a tenth. A hundred parts are three between two knots of a law. Beyond three hundred the
+ * parabola counts: fewer blocks would be so few innovations of slow noise that it takes a relaxation. */
 static double parts_of(const palp_recording *run) {
-    const double peak = peak_of(run), noise = fmax(run->noise_N, 1e-6 * peak);
-    return fmax(100.0, pow(10.0 * (double)run->n, 0.25) * sqrt(peak / (12.0 * noise)));
+    static const double LEAST = 100.0, ENOUGH = 300.0;
+    const double peak = peak_of(run), noise = fmax(run->noise_N, EXPLAIN_EXACT * peak),
+                 n = 10.0 * (double)run->n, middle = pow(n, 0.25) * sqrt(peak / (12.0 * noise)),
+                 parabola = pow(n, 0.125) * pow(18.0 * peak / noise, 0.25);
+    return fmax(LEAST, fmin(middle, fmax(ENOUGH, parabola)));
 }
 
 /* A run in blocks, of a specimen of height 1 m and radius 1 m. */
@@ -64,12 +69,15 @@ static palp_status make_run(const palp_recording *run, size_t specimen, const ow
     if (status)
         return status;
     double *time = palp_experiment_column(*e, "time_s"), *depth = palp_experiment_column(*e, "depth_mm"),
-           *force = palp_experiment_column(*e, "force_N");
+           *force = palp_experiment_column(*e, "force_N"), *spread = palp_experiment_column(*e, "time_sd_s"),
+           *noise = palp_experiment_column(*e, "noise_N");
     const double start = time[0];
     for (size_t i = 0; i < palp_experiment_rows(*e); i++) {
         time[i] = rounded((time[i] - start) / unit->time, FINE);
         depth[i] = 1e3 * rounded(1e-3 * depth[i] / unit->height, COARSE);
         force[i] = rounded(force[i] / unit->force, COARSE);
+        spread[i] = rounded(spread[i] / unit->time, FINE);
+        noise[i] = rounded(noise[i] / unit->force, FINE);
     }
     snprintf(name, sizeof name, "specimen %zu", specimen + 1);
     status = palp_experiment_set_string(*e, "specimen.name", name);

@@ -27,6 +27,10 @@ START_TEST(every_sample_counts_once) {
     for (size_t i = 0; i < n; i++) {
         sum += samples[i] * force[i];
         most = fmax(most, samples[i]);
+        const double times = palp_experiment_column(e, "time_sd_s")[i] / 0.002, count = fmax(1.0, samples[i]);
+        ck_assert_double_eq_tol(12.0 * times * times, count * count - 1.0, 1e-6 * count * count);
+        if (samples[i] > 1000.0)
+            ck_assert_double_eq_tol(palp_experiment_column(e, "noise_N")[i], 0.004, 4e-4);
     }
     for (size_t i = 0; i < r.n; i++)
         whole += r.force_N[i];

@@ -60,6 +60,32 @@ START_TEST(blocks_tell_what_samples_tell) {
 }
 END_TEST
 
+/* Without noise: by the forces in the middles of the blocks, an arm's stiffness would be 1.2e-4 off. */
+START_TEST(the_model_has_means_too) {
+    palp_material m = phantom();
+    m.law = polynomial(2, (double[2]){8.0, 4.0});
+    palp_experiment *blocks[RUNS];
+    for (size_t r = 0; r < RUNS; r++) {
+        const double more = 2.0 * (double)r;
+        take t = {m, 4.0 + more, 1.0 + more, 100.0, 1.0, 1000.0, 0.0, "ramp_hold", 5};
+        palp_recording recording = prepare(record(&t));
+        ck_assert_int_eq(palp_recording_blocks(&recording, 100.0, &blocks[r]), PALP_OK);
+        palp_experiment_set_number(blocks[r], "specimen.height_mm", 24.0);
+        palp_recording_free(&recording);
+    }
+    palp_lumped_fit means = characterize(blocks);
+    ck_assert_uint_eq(means.material.n_arms, 2);
+    for (size_t j = 0; j < 2; j++) {
+        ck_assert_double_eq_tol(means.material.arms[j].stiffness_N / m.arms[j].stiffness_N, 1.0, 2e-5);
+        ck_assert_double_eq_tol(means.material.arms[j].viscosity_Ns / m.arms[j].viscosity_Ns, 1.0, 5e-5);
+    }
+    palp_lumped_fit_free(&means);
+    for (size_t r = 0; r < RUNS; r++)
+        palp_experiment_free(blocks[r]);
+}
+END_TEST
+
 void tests(TCase *tc) {
     tcase_add_loop_test(tc, blocks_tell_what_samples_tell, 0, 3);
+    tcase_add_test(tc, the_model_has_means_too);
 }
