@@ -99,9 +99,9 @@ PALP_API void palp_recording_free(palp_recording *recording); /* frees arrays, z
 /* The recording as means of blocks of samples, relative to its contact; the caller frees it. In a block the
  * path is straight and the plate moves by less than deepest_m / parts (10 or more). A block lasts less than
  * 6 / parts of the time since the last corner. Column "samples": of how many samples a row is the mean; 0: it
- * only carries the path, and its force does not count. "time_sd_s": sd of the samples' times. "noise_N": sd of
- * their noise, by second differences; 0 of fewer than three. A recording that begins under load has such a row of
- * depth 0 a sample before it. ERR_ARGUMENT: fewer parts; ERR_NO_MEMORY. */
+ * only carries the path, and its force does not count. "time_sd_s": sd of the samples' times. "noise_N": sd
+ * of their noise, by second differences; 0 of fewer than three. A recording that begins under load has such a
+ * row of depth 0 a sample before it. ERR_ARGUMENT: fewer parts; ERR_NO_MEMORY. */
 PALP_API palp_status palp_recording_blocks(const palp_recording *recording, double parts,
                                            palp_experiment **blocks);
 
