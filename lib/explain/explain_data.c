@@ -413,6 +413,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
                                 explain_data *data, palp_error *error) {
     *data = (explain_data){.given = model,
                            .simulated = settings->simulated != NULL,
+                           .threshold = log(1.0 / settings->false_alarm - 1.0),
                            .contacts_alike = settings->contact == PALP_CONTACT_KNOWN ||
                                              settings->contact == PALP_CONTACT_COMMON};
     data->run = calloc(n, sizeof *data->run);

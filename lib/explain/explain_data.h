@@ -73,6 +73,7 @@ typedef struct explain_data {
                       withdraws so far */
     size_t n_releases;
     explain_frame frame;
+    double threshold;        /* of infer_threshold */
     bool simulated;          /* the forces are another program's: law and arms are fixed */
     double simulated_off;    /* rms error of the model's forces, N */
     bool contacts_alike;     /* no run has a contact of its own */

@@ -307,6 +307,11 @@ static palp_status take_columns(const infer_fit *fit, const explain_data *data, 
     for (size_t i = 0; i < n; i++)
         own[INFER_ZERO * n + i] =
             column[EXPLAIN_BY_ZERO] != SIZE_MAX ? gradient[column[EXPLAIN_BY_ZERO] * n + i] : 1.0;
+    memset(own + INFER_END * n, 0, n * sizeof *own);
+    for (size_t i = 0; i < fit->c.model.n_effects; i++)
+        if (effect_row_of(fit->c.model.effects[i].id)->bends)
+            memcpy(own + INFER_END * n, gradient + explain_first_column(&fit->c.model, i) * n,
+                   n * sizeof *own);
     explain_chain(&fit->c, n, gradient);
     memcpy(out, gradient, k * n * sizeof *out);
     for (size_t i = 0; i < n; i++) {

@@ -7,8 +7,9 @@
 
 #include <stdint.h>
 
-/* Parameters of a run: zero, contact, gain, and the mains' sine and cosine. Its discrepancy has others. */
-enum { INFER_ZERO, INFER_CONTACT, INFER_GAIN, INFER_SINE, INFER_COSINE, INFER_OWN };
+/* Parameters of a run: zero, contact, gain, the mains' sine and cosine, and the end of the sensor's range.
+ * Its discrepancy has others. */
+enum { INFER_ZERO, INFER_CONTACT, INFER_GAIN, INFER_SINE, INFER_COSINE, INFER_END, INFER_OWN };
 
 /* Parameters of a specimen: logarithms of a factor on all stiffnesses, one on all times, and one on the law
  * alone. */
@@ -66,7 +67,7 @@ typedef struct infer_sample {
 
 /* Prior standard deviations; 0 = there is none of it. */
 typedef struct infer_sizes {
-    double own[INFER_OWN]; /* sine and cosine alike */
+    double own[INFER_OWN]; /* sine and cosine alike; that of the end is the zero's, or 0 */
     double specimen[INFER_SPECIMEN];
     double common[INFER_DOMAINS][INFER_LENGTHS]; /* discrepancy of all runs, N */
     double each[INFER_DOMAINS][INFER_LENGTHS];   /* of each run, N */

@@ -106,8 +106,10 @@ static palp_status learn_once(infer_fit *fit, const explain_data *data, double *
                 fit->contact_certain[r] =
                     add_contact(&own[a], fit->sizes.own[a], data, mean[a], covariance[a * B + a]);
             else if (fit->sizes.own[a] > 0.0)
-                add_scalar(&own[a == INFER_COSINE ? INFER_SINE : a], fit->sizes.own[a], mean[a],
-                           covariance[a * B + a]);
+                add_scalar(&own[a == INFER_COSINE ? INFER_SINE
+                                : a == INFER_END  ? INFER_ZERO
+                                                  : a],
+                           fit->sizes.own[a], mean[a], covariance[a * B + a]);
         for (size_t d = 0; d < INFER_DOMAINS && !status; d++) {
             const size_t at = INFER_OWN + d * INFER_NODES;
             add_hats(each[d], fit->sizes.each[d], mean + at, covariance + at * B + at, B);
@@ -177,6 +179,28 @@ void infer_sizes_begin_anew(infer_fit *fit, const explain_data *data) {
         }
 }
 
+/* The ends of the sensor's range differ as the zeros do, which may be added on either side of what saturates.
+ * They are alike only if that is more probable by the threshold; one run that saturates says nothing. */
+static palp_status choose_ends(infer_fit *fit, const explain_data *data) {
+    double *size = &fit->sizes.own[INFER_END];
+    const bool has_products = *size > 0.0;
+    *size = explain_bends(&fit->c.model) ? fit->sizes.own[INFER_ZERO] : 0.0;
+    palp_status status = PALP_OK;
+    if (*size > 0.0 && !has_products)
+        status = infer_fit_products(fit, data);
+    if (!status)
+        status = infer_fit_score(fit, data);
+    if (status || !(*size > 0.0))
+        return status;
+    const double differ = fit->promised;
+    *size = 0.0;
+    status = infer_fit_score(fit, data);
+    if (status || fit->promised - differ > data->threshold)
+        return status;
+    *size = fit->sizes.own[INFER_ZERO];
+    return infer_fit_score(fit, data);
+}
+
 palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t rounds) {
     const size_t g = fit->k + INFER_HATS;
     double *work = malloc((INFER_BLOCK * INFER_BLOCK + g * g + fit->k * fit->k) * sizeof *work);
@@ -184,5 +208,5 @@ palp_status infer_sizes_learn(infer_fit *fit, const explain_data *data, size_t r
     for (size_t i = 0; i < rounds && !status; i++)
         status = learn_once(fit, data, work);
     free(work);
-    return status ? status : infer_fit_score(fit, data);
+    return status ? status : choose_ends(fit, data);
 }
