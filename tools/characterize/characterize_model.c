@@ -219,10 +219,12 @@ static int fit_by_grid(const characterize_options *o, characterize_state *s) {
 }
 
 static int fit_by_likelihood(const characterize_options *o, characterize_state *s) {
+    if (o->fractional && s->n == s->n_static)
+        return cli_failure(NAME, "--arms fractional needs a run with a dwell or a way back, not ramps alone");
     int code = fit_plain(o, s); /* first guesses of laws */
     code = code ? code : characterize_likelihood(o, s);
     code = code ? code : fit_depths(o, s); /* with the contacts found */
-    return code || !o->fractional || s->n == s->n_static ? code : fit_fractional(o, s);
+    return code || !o->fractional ? code : fit_fractional(o, s);
 }
 
 int characterize_model(const characterize_options *o, characterize_state *s) {
