@@ -8,8 +8,9 @@
 
 typedef struct explain_fit {
     palp_model model;
-    double hum_Hz; /* 0 = none */
-    bool renewed;  /* each run finds its specimen as new, whatever the files say of their order */
+    double hum_Hz;   /* 0 = none */
+    double hum_cost; /* nats, of the prior of its frequency: uniform over the band of the mains */
+    bool renewed;    /* each run finds its specimen as new, whatever the files say of their order */
     size_t n_columns;
     double low[EXPLAIN_COLUMNS], high[EXPLAIN_COLUMNS], x[EXPLAIN_COLUMNS]; /* search coordinates */
     double unit[EXPLAIN_COLUMNS]; /* prior sd of a coordinate: very wide */

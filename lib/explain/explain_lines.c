@@ -68,7 +68,7 @@ static double power_at(const explain_data *data, const double *y, double frequen
 }
 
 enum { GRID = EXPLAIN_FREQUENCIES, OUTSTANDING = 3, OUTSTANDING_ALIAS = 10 }; /* times the typical power */
-static const double LOWEST = 40.0, HIGHEST = 70.0;                            /* Hz */
+static const double LOWEST = EXPLAIN_LINE_LOWEST, HIGHEST = EXPLAIN_LINE_HIGHEST;
 static const double PERIODS =
     10.0; /* of the lowest: the band then has the widths of seven lines, and a typical power */
 static const double NYQUIST =

@@ -1,5 +1,6 @@
 /* infer_describe.c: the accepted effects: intervals, evidence and look-alikes. */
 #include "infer_answer.h"
+#include "explain_lines.h"
 #include "base/dense.h"
 #include "base/statistics.h"
 
@@ -166,26 +167,43 @@ static double hum_variance(const explain_run *run, const double own[2], double s
     return variance;
 }
 
-/* The mains' hum: frequency, and mean amplitude over the runs. */
-static palp_status find_hum(const infer_search *s, palp_explain_effect *out) {
+/* The mains' hum: mean amplitude over the runs, its variance, and the information on the frequency, s^2. */
+static palp_status measure_hum(const infer_fit *fit, const explain_data *data, double *amplitude,
+                               double *variance, double *information) {
     enum { B = INFER_BLOCK, S = INFER_SINE, C = INFER_COSINE };
     infer_posterior p;
-    palp_status status = infer_posterior_find(&s->fit, &s->data, &p);
-    double sum = 0.0, variance = 0.0, information = 0.0;
-    for (size_t r = 0; r < s->data.n_runs && !status; r++) {
+    palp_status status = infer_posterior_find(fit, data, &p);
+    const double n = (double)data->n_runs;
+    *amplitude = *variance = *information = 0.0;
+    for (size_t r = 0; r < data->n_runs && !status; r++) {
         double own[B], v[B * B], frequency;
-        status = infer_own(&s->fit, &s->data, &p, r, own, v);
+        status = infer_own(fit, data, &p, r, own, v);
         if (status || !(hypot(own[S], own[C]) > 0.0))
             continue;
-        sum += hypot(own[S], own[C]);
-        variance +=
-            hum_variance(&s->data.run[r], own + S, v[S * B + S], v[C * B + C], v[S * B + C], &frequency);
-        information += frequency;
+        *amplitude += hypot(own[S], own[C]) / n;
+        *variance +=
+            hum_variance(&data->run[r], own + S, v[S * B + S], v[C * B + C], v[S * B + C], &frequency) /
+            (n * n);
+        *information += frequency;
     }
     infer_posterior_free(&p);
-    const double n = (double)s->data.n_runs, reach = 1.96 * infer_tail_widening(&s->fit);
-    const double value[2] = {sum / n, s->fit.c.hum_Hz},
-                 sd[2] = {sqrt(variance) / n, information > 0.0 ? 1.0 / sqrt(information) : 0.0};
+    return status;
+}
+
+palp_status infer_hum_cost(infer_fit *fit, const explain_data *data) {
+    const double band = EXPLAIN_LINE_HIGHEST - EXPLAIN_LINE_LOWEST, turn = 2.0 * acos(-1.0);
+    double amplitude, variance, information;
+    palp_status status = measure_hum(fit, data, &amplitude, &variance, &information);
+    fit->c.hum_cost = status ? 0.0 : fmax(0.0, log(band * sqrt(information / turn)));
+    return status;
+}
+
+static palp_status find_hum(const infer_search *s, palp_explain_effect *out) {
+    double amplitude, variance, information;
+    palp_status status = measure_hum(&s->fit, &s->data, &amplitude, &variance, &information);
+    const double reach = 1.96 * infer_tail_widening(&s->fit);
+    const double value[2] = {amplitude, s->fit.c.hum_Hz},
+                 sd[2] = {sqrt(variance), information > 0.0 ? 1.0 / sqrt(information) : 0.0};
     for (int k = 0; k < 2; k++) {
         out->effect.value[k] = value[k];
         out->low[k] = value[k] - reach * sd[k];

@@ -168,6 +168,7 @@ palp_status infer_fit_create_as(const palp_model *model, const explain_data *dat
         memcpy(fit->sample, like->sample, data->n * sizeof *fit->sample);
         fit->sizes = like->sizes;
         fit->c.hum_Hz = like->c.hum_Hz;
+        fit->c.hum_cost = like->c.hum_cost;
         fit->c.renewed = like->c.renewed;
         memcpy(fit->specimen, like->specimen, INFER_SPECIMEN * data->n_runs * sizeof *fit->specimen);
         memcpy(fit->c.contact, like->c.contact, 3 * data->n_runs * sizeof *fit->c.contact);
@@ -214,6 +215,7 @@ void infer_fit_take_state(const infer_fit *from, const explain_data *data, infer
     memcpy(fit->sample, from->sample, data->n * sizeof *fit->sample);
     fit->sizes = from->sizes;
     fit->c.hum_Hz = from->c.hum_Hz;
+    fit->c.hum_cost = from->c.hum_cost;
     fit->c.renewed = from->c.renewed;
     memcpy(fit->specimen, from->specimen, INFER_SPECIMEN * n_runs * sizeof *fit->specimen);
     memcpy(fit->c.contact, from->c.contact, 3 * n_runs * sizeof *fit->c.contact); /* gain and zero too */

@@ -117,6 +117,7 @@ static palp_status extend(const infer_fit *full, size_t n_runs, const explain_da
     fit->plain = full->plain;
     fit->held = full->held;
     fit->c.hum_Hz = full->c.hum_Hz;
+    fit->c.hum_cost = full->c.hum_cost;
     fit->c.renewed = full->c.renewed;
     memcpy(fit->certain, full->certain, sizeof fit->certain);
     memcpy(fit->sample, full->sample, n * sizeof *fit->sample);

@@ -371,7 +371,8 @@ void infer_posterior_free(infer_posterior *p) {
 }
 
 double infer_log_evidence(const infer_fit *fit, const infer_posterior *p, double chi2) {
-    return infer_bends_evidence(fit) - 0.5 * (chi2 + fit->log_noise + p->log_det - p->log_prior);
+    return infer_bends_evidence(fit) - fit->c.hum_cost -
+           0.5 * (chi2 + fit->log_noise + p->log_det - p->log_prior);
 }
 
 /* Minus the derivative of the parameters of run r's specimen by the global ones: slope[SPECIMEN (g + 2)].

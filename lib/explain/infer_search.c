@@ -151,7 +151,8 @@ static palp_status try_hum(const infer_search *s, infer_trial *t) {
     t->share = 1.0; /* it has no strength but those of the runs */
     t->fit.c.hum_Hz = hertz;
     t->fit.sizes.own[INFER_SINE] = t->fit.sizes.own[INFER_COSINE] = amplitude;
-    return infer_fit_evaluate(&t->fit, &s->data);
+    status = infer_fit_evaluate(&t->fit, &s->data);
+    return status ? status : infer_hum_cost(&t->fit, &s->data);
 }
 
 static palp_status try_effect(const infer_search *s, palp_effect_id id, infer_trial *t) {
@@ -364,7 +365,7 @@ static palp_status settle_without(const infer_search *full, const palp_model *mo
     enum { ROUNDS = 3 };
     palp_status status = infer_fit_create(model, &full->data, &full->fit, fit);
     if (!status && hum) {
-        fit->c.hum_Hz = 0.0;
+        fit->c.hum_Hz = fit->c.hum_cost = 0.0;
         fit->sizes.own[INFER_SINE] = fit->sizes.own[INFER_COSINE] = 0.0;
     }
     if (!status)

@@ -42,6 +42,10 @@ typedef struct infer_search {
 
 #define INFER_SEARCH_SHARE 0.7 /* of all work */
 
+/* fit->c.hum_cost of the line in the fit (Laplace), which its columns and products have. (infer_describe.c)
+ */
+palp_status infer_hum_cost(infer_fit *fit, const explain_data *data);
+
 /* Log odds above which a set of effects is preferred: the odds of no false alarm to one. */
 double infer_threshold(const palp_explain_settings *settings);
 

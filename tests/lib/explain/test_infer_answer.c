@@ -1,4 +1,6 @@
-/* test_infer_answer.c: cross-validation, next run and family of laws, of fits by hand. check: once */
+/* test_infer_answer.c: cross-validation, next run, family of laws and line of the mains, of fits by hand.
+ * check: once
+ */
 #include "base/dense.h"
 #include "forward_make.h"
 #include "explain/infer_answer.h"
@@ -8,7 +10,10 @@
 
 enum { RUNS = 3, EACH = 120 };
 
+static const double TURN = 6.28318530717958647692;
 static palp_explain_input input[RUNS];
+
+static double step = 0.05, hum = 0.0; /* s; N, at 51 Hz */
 
 static void record(const palp_model *m, size_t n_runs) {
     static samples s;
@@ -17,13 +22,13 @@ static void record(const palp_model *m, size_t n_runs) {
         start(&s, 0, -1);
         for (size_t i = 1; i < EACH; i++) {
             const double up = (double)i / (15 + 10 * (double)r), down = (EACH - 10.0 - (double)i) / 25;
-            s.time_s[i] = 0.05 * (double)i;
+            s.time_s[i] = step * (double)i;
             s.depth_m[i] = 1e-3 * fmax(-1, 6 * fmin(1, fmin(up, down)) - 1);
         }
         s.n = EACH;
         press_model(m, &s);
         for (size_t i = 0; i < EACH; i++)
-            s.force_N[i] += 5e-3 * palp_random_normal(&noise);
+            s.force_N[i] += 5e-3 * palp_random_normal(&noise) + hum * sin(TURN * 51.0 * s.time_s[i]);
         input[r] = (palp_explain_input){samples_experiment(&s), "run.csv"};
     }
 }
@@ -231,7 +236,40 @@ START_TEST(a_family_is_refuted_by_its_runs) {
 }
 END_TEST
 
+/* What the prior of the frequency costs is the evidence's mean over the band, relative to its maximum. */
+START_TEST(the_frequency_of_a_hum_has_a_prior) {
+    enum { POINTS = 400 };
+    const palp_explain_settings settings = palp_explain_settings_default();
+    palp_model m = lumped_model(1);
+    infer_search s;
+    double most = -HUGE_VAL, sum = 0.0, cost = 0.0;
+    step = 0.005;
+    hum = 2.5e-3;
+    begin(&m, RUNS, &settings, &s);
+    s.fit.sizes.own[INFER_SINE] = s.fit.sizes.own[INFER_COSINE] = hum;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < POINTS; i++) { /* the band of 30 Hz is zero outside of these 4 Hz */
+            s.fit.c.hum_Hz = 49.0 + 4.0 * (i + 0.5) / POINTS;
+            s.fit.c.hum_cost = 0.0;
+            ck_assert_int_eq(infer_fit_evaluate(&s.fit, &s.data), PALP_OK);
+            ck_assert_int_eq(infer_fit_score(&s.fit, &s.data), PALP_OK);
+            if (pass == 0 && s.fit.promised > most) {
+                most = s.fit.promised;
+                ck_assert_int_eq(infer_hum_cost(&s.fit, &s.data), PALP_OK);
+                cost = s.fit.c.hum_cost;
+            } else if (pass == 1)
+                sum += exp(s.fit.promised - most) * 4.0 / POINTS / 30.0;
+        }
+    ck_assert_double_eq_tol(cost, -log(sum), 0.15);
+    ck_assert_double_gt(cost, 3.0);
+    end(&s, RUNS);
+    step = 0.05;
+    hum = 0.0;
+}
+END_TEST
+
 void tests(TCase *tc) {
+    tcase_add_test(tc, the_frequency_of_a_hum_has_a_prior);
     tcase_add_test(tc, a_run_left_out_has_the_evidence_it_adds);
     tcase_add_test(tc, what_is_left_out_depends_on_the_runs);
     tcase_add_test(tc, a_more_probable_look_alike_takes_the_place);
