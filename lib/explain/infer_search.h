@@ -42,8 +42,13 @@ typedef struct infer_search {
 
 #define INFER_SEARCH_SHARE 0.7 /* of all work */
 
-/* fit->c.hum_cost of the line in the fit (Laplace), which its columns and products have. (infer_describe.c)
- */
+/* ---- the line of the mains, of a fit whose columns and products have it (infer_hum.c) ---- */
+
+/* Mean amplitude over the runs, its variance, and the information on the frequency, s^2. */
+palp_status infer_hum_measure(const infer_fit *fit, const explain_data *data, double *amplitude,
+                              double *variance, double *information);
+
+/* fit->c.hum_cost (Laplace). */
 palp_status infer_hum_cost(infer_fit *fit, const explain_data *data);
 
 /* Log odds above which a set of effects is preferred: the odds of no false alarm to one. */
