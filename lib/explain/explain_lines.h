@@ -13,11 +13,10 @@ enum {
 /* Whether the runs are sampled fast and long enough to show the mains. */
 bool explain_line_visible(const explain_data *data);
 
+enum { EXPLAIN_LINE_LOWEST = 40, EXPLAIN_LINE_HIGHEST = 70 }; /* band of the mains, Hz */
+
 /* Whether they are long enough to resolve one line within the mains' band. In shorter ones a line is as wide
  * as the band. */
-/* Band of the mains, Hz. */
-enum { EXPLAIN_LINE_LOWEST = 40, EXPLAIN_LINE_HIGHEST = 70 };
-
 bool explain_line_resolved(const explain_data *data);
 
 /* Strongest line of a residual over time, 40 to 70 Hz, and over depth. ERR_UNSUPPORTED: there is none; it is
