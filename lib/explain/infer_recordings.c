@@ -49,8 +49,8 @@ static own_units find_units(size_t n, const palp_recording *run) {
 /* ---- the runs ---- */
 
 /* Parts of the way for the blocks of a run. The force in the middle of a block is peak / (12 parts^2) off the
- * mean over it, if it grows with the square of the depth. The mean of a parabola is 18 / parts^4 of the
- * relaxed force off at most, as a block lasts six parts of the time since the corner. Over all n samples this
+ * mean over it, if it grows with the square of the depth. A block lasts six parts of the time since the
+ * corner. So the mean of a parabola is 18 / parts^4 of the relaxed force off at most. Over all n samples this
  * may change chi2 by a tenth. A hundred parts are three between two knots of a law. Beyond three hundred the
  * parabola counts: fewer blocks would be so few innovations of slow noise that it takes a relaxation. */
 static double parts_of(const palp_recording *run) {
