@@ -36,6 +36,10 @@ palp_status explain_event_add(explain_data *data, const palp_explain_event *even
     return PALP_OK;
 }
 
+double explain_threshold(double false_alarm) {
+    return log(1.0 / false_alarm - 1.0);
+}
+
 /* ---- samples ---- */
 
 /* Columns that effects read besides depth and force; a column with a lost number is left out. */
@@ -223,7 +227,7 @@ static double mean_step(const explain_run *run) {
 }
 
 /* The median over the means of three samples and more: outliers in some do not count. */
-static palp_status find_scatter(explain_data *data) {
+static palp_status find_sample_noise(explain_data *data) {
     size_t m = 0;
     double *noise = malloc(data->n * sizeof *noise);
     if (!noise)
@@ -232,7 +236,7 @@ static palp_status find_scatter(explain_data *data) {
         for (size_t i = 0; i < data->run[r].n && data->run[r].noise; i++)
             if (data->run[r].samples[i] > 2.0)
                 noise[m++] = data->run[r].noise[i];
-    data->scatter = m > 0 ? fmax(EXPLAIN_EXACT * data->peak, statistics_median(noise, m)) : 0.0;
+    data->sample_noise = m > 0 ? fmax(EXPLAIN_EXACT * data->peak, statistics_median(noise, m)) : 0.0;
     free(noise);
     return PALP_OK;
 }
@@ -413,7 +417,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
                                 explain_data *data, palp_error *error) {
     *data = (explain_data){.given = model,
                            .simulated = settings->simulated != NULL,
-                           .threshold = log(1.0 / settings->false_alarm - 1.0),
+                           .threshold = explain_threshold(settings->false_alarm),
                            .contacts_alike = settings->contact == PALP_CONTACT_KNOWN ||
                                              settings->contact == PALP_CONTACT_COMMON};
     data->run = calloc(n, sizeof *data->run);
@@ -437,7 +441,7 @@ palp_status explain_data_create(size_t n, const palp_explain_input *inputs,
     if (!status)
         status = find_pace(data);
     if (!status)
-        status = find_scatter(data);
+        status = find_sample_noise(data);
     if (!status) {
         count_replicates(data);
         count_specimens(data);

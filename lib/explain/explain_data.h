@@ -10,6 +10,9 @@ enum { EXPLAIN_SAMPLES_MIN = 16 }; /* of a run */
 #define EXPLAIN_EXACT 1e-6         /* of the largest force: the noise of a recording without noise */
 enum { EXPLAIN_COLUMNS = PALP_LAW_MAX + 2 * PALP_ARMS_MAX + PALP_EFFECTS_MAX * PALP_EFFECT_PARAMETERS };
 
+/* Log odds above which an answer is preferred: the odds of no false alarm to one. */
+double explain_threshold(double false_alarm);
+
 typedef struct explain_run {
     char name[PALP_NAME_MAX];
     size_t n;
@@ -62,7 +65,7 @@ typedef struct explain_data {
     double peak, deepest, duration, height; /* largest force, depth; longest run, s */
     double memory;              /* longest time of the correlated noise, s; 0: that of the longest run */
     double step, fastest, span; /* typical time between samples; largest speed; of the session, s */
-    double scatter;             /* sd of the noise of single samples, of runs of means; 0: it is not known */
+    double sample_noise;        /* sd of that of single samples, of runs of means; 0: it is not known */
     double stride;              /* largest way between two samples, of the run where it is least, m */
     effect_shown shown;         /* how the plate moves in them */
     size_t n_specimens;         /* that the files of the runs that are fitted name; at least 1 */
@@ -73,7 +76,7 @@ typedef struct explain_data {
                       withdraws so far */
     size_t n_releases;
     explain_frame frame;
-    double threshold;        /* of infer_threshold */
+    double threshold;        /* explain_threshold of the settings */
     bool simulated;          /* the forces are another program's: law and arms are fixed */
     double simulated_off;    /* rms error of the model's forces, N */
     bool contacts_alike;     /* no run has a contact of its own */

@@ -4,6 +4,7 @@
 #include <palpate/explain.h>
 
 #include "base/dense.h"
+#include "explain_data.h"
 
 #include <math.h>
 #include <string.h>
@@ -181,7 +182,7 @@ palp_status palp_formula_find(const palp_free_term *term, const double *informat
     }
     for (size_t a = 0; a < N; a++)
         p.x[a] /= formula->scale;
-    while (formula->n < MOST && add_part(&p, log(1.0 / false_alarm - 1.0), formula))
+    while (formula->n < MOST && add_part(&p, explain_threshold(false_alarm), formula))
         for (size_t i = 0; i < ROUNDS * formula->n; i++) /* each conditional on the others */
             refine(&p, formula, i % formula->n);
     return PALP_OK;

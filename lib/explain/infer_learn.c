@@ -135,7 +135,7 @@ static void keep(void *user) {
 }
 
 /* Bounds: no noise is larger than the largest force, and none smaller than the error of the mean of all
- * samples can be seen. White noise of means is at least the scatter of their samples. Of a law alone, an
+ * samples can be seen. White noise of means is at least that of their samples. Of a law alone, an
  * encoder's is no larger than its rounding's; beside a discrepancy it may be, as one session (Mach-1
  * static_00) else has several maxima. */
 static void bound(learning *l, bool anew, double *x, double *low, double *high) {
@@ -148,9 +148,10 @@ static void bound(learning *l, bool anew, double *x, double *low, double *high) 
                             : a == INFER_BY_CLOCK ? data->deepest / data->fastest / data->peak
                                                   : 1.0;
         const double most = a == INFER_BY_ENCODER && data->law_alone ? l->fit->rounding : data->peak * unit,
-                     least = fmin(most, (a == INFER_BY_WHITE ? fmax(0.01 * data->run[0].white, data->scatter)
-                                                             : hidden) *
-                                            unit);
+                     least =
+                         fmin(most, (a == INFER_BY_WHITE ? fmax(0.01 * data->run[0].white, data->sample_noise)
+                                                         : hidden) *
+                                        unit);
         *now = fmin(most, fmax(least, *now));
         low[a] = log(least / *now);
         high[a] = log(most / *now);

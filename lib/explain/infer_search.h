@@ -51,7 +51,7 @@ palp_status infer_hum_measure(const infer_fit *fit, const explain_data *data, do
 /* fit->c.hum_cost (Laplace). */
 palp_status infer_hum_cost(infer_fit *fit, const explain_data *data);
 
-/* Log odds above which a set of effects is preferred: the odds of no false alarm to one. */
+/* explain_threshold of the settings. */
 double infer_threshold(const palp_explain_settings *settings);
 
 /* Log of the number of candidates, nats. */

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 double infer_threshold(const palp_explain_settings *settings) {
-    return log(1.0 / settings->false_alarm - 1.0);
+    return explain_threshold(settings->false_alarm);
 }
 
 double infer_price(const infer_search *s) {

@@ -31,7 +31,7 @@ SECONDS = 600   # of a command; beyond it has no answer
 # processes of the correlated noise (the filter is written out for four), and what these cases do not reach: blocks and air, a
 # single run, more than 8000 samples.
 CONSTANTS = [
-    ("false alarms", "lib/explain/infer_trial.c", "1.0 / settings->false_alarm", "2.0 / settings->false_alarm", "0.5 / settings->false_alarm"),
+    ("false alarms", "lib/explain/explain_data.c", "log(1.0 / false_alarm", "log(2.0 / false_alarm", "log(0.5 / false_alarm"),
     ("prior odds", "lib/explain/infer_trial.c", "log(fmax(1.0, n))", "log(fmax(1.0, 2.0 * n))", "log(fmax(1.0, 0.5 * n))"),
     ("sd of a strength", "lib/explain/infer_prior.c", "column > 0.0 ? sqrt(", "column > 0.0 ? 0.5 * sqrt(", "column > 0.0 ? 2.0 * sqrt("),
     ("sd of a logarithm", "lib/explain/infer_fit.c", "WIDE = 3.0;", "WIDE = 1.5;", "WIDE = 6.0;"),
